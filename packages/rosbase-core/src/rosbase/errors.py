@@ -1,0 +1,99 @@
+"""What can go wrong, as a tree.
+
+```
+RosbaseError
+├── ConfigurationError            the user can mend it; shown as one line, exit status 2
+│   ├── ParameterError            baudrate:=fast, an unknown parameter
+│   ├── NotInstalledError         no such backend, transport or preset
+│   └── MappingError              a payload mapping that cannot be built
+├── BackendError                  a topic used with two types, a closed backend
+├── TransportError                the device or the link
+│   ├── DeviceNotFoundError       unplugged, or the wrong path
+│   ├── DevicePermissionError     the user may not open it
+│   ├── DeviceBusyError           another program holds it
+│   └── NotADeviceError           a directory or a file; waiting will not help
+├── TransitionNotAvailableError   the lifecycle state does not offer that transition
+├── HandshakeTimeoutError         rules still pending when the time was up
+└── PluginError                   a plugin that broke its promise
+```
+"""
+
+__all__ = [
+    "BackendError",
+    "ConfigurationError",
+    "DeviceBusyError",
+    "DeviceNotFoundError",
+    "DevicePermissionError",
+    "HandshakeTimeoutError",
+    "MappingError",
+    "NotADeviceError",
+    "NotInstalledError",
+    "ParameterError",
+    "PluginError",
+    "RosbaseError",
+    "TransitionNotAvailableError",
+    "TransportError",
+]
+
+
+class RosbaseError(Exception):
+    """The root: catch this to catch everything that rosbase raises on purpose."""
+
+
+class ConfigurationError(RosbaseError):
+    """Something the user asked for cannot be done as asked. The message is one line."""
+
+
+class ParameterError(ConfigurationError):
+    """A parameter is unknown, of the wrong type, or out of its range."""
+
+
+class NotInstalledError(ConfigurationError):
+    """A backend, transport or preset of that name is not there to be used."""
+
+
+class MappingError(ConfigurationError):
+    """The description of a payload contradicts itself or lacks something."""
+
+
+class BackendError(RosbaseError):
+    """The backend refuses: it is closed, or a topic has another message type."""
+
+
+class TransportError(RosbaseError):
+    """The device cannot be opened, or has been lost.
+
+    `retryable` says whether trying the same again later can help.
+    """
+
+    retryable: bool = True
+
+
+class DeviceNotFoundError(TransportError):
+    """Nothing is there under that name: not plugged in yet, or misspelt."""
+
+
+class DevicePermissionError(TransportError):
+    """The device is there, and this user may not open it."""
+
+
+class DeviceBusyError(TransportError):
+    """Another program has the device open."""
+
+
+class NotADeviceError(TransportError):
+    """The name leads to something that is not such a device."""
+
+    retryable = False
+
+
+class TransitionNotAvailableError(RosbaseError):
+    """The lifecycle transition does not start at the present state. Nothing has changed."""
+
+
+class HandshakeTimeoutError(RosbaseError):
+    """Handshake rules did not come true in time; the message names them."""
+
+
+class PluginError(RosbaseError):
+    """A plugin registered something that is not what the hook asks for."""

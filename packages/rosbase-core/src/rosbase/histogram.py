@@ -1,0 +1,56 @@
+"""Percentiles of any number of durations in a few kilobytes."""
+
+__all__ = ["Histogram"]
+
+# 32 steps to each doubling: a percentile is at most 1/32 off.
+_STEP_BITS = 5
+_STEPS = 1 << _STEP_BITS
+
+
+class Histogram:
+    """Counts of non-negative integers in buckets that grow with the value.
+
+    Recording costs one list update, so it may stand on a per-sample path. One thread
+    records; others may read meanwhile.
+    """
+
+    __slots__ = ("_counts", "count", "maximum")
+
+    def __init__(self) -> None:
+        self._counts = [0] * (_STEPS * 60)
+        self.count = 0
+        self.maximum = 0
+
+    def record(self, value: int) -> None:
+        """Counts one value; a negative one counts as 0."""
+        if value < _STEPS:
+            index = value if value > 0 else 0
+        else:
+            shift = value.bit_length() - _STEP_BITS - 1
+            # The leading bit and the five below it: (value >> shift) is 32 to 63.
+            index = (shift << _STEP_BITS) + (value >> shift)
+        try:
+            self._counts[index] += 1
+        except IndexError:
+            self._counts[-1] += 1
+        self.count += 1
+        self.maximum = max(self.maximum, value)
+
+    def percentile(self, percent: float) -> int:
+        """The value that `percent` of those recorded do not exceed, to within 1/32; 0 if none."""
+        if not self.count:
+            return 0
+        wanted = percent / 100.0 * self.count
+        seen = 0
+        for index, number in enumerate(self._counts):
+            seen += number
+            if number and seen >= wanted:
+                return min(_upper_edge(index), self.maximum)
+        return self.maximum
+
+
+def _upper_edge(index: int) -> int:
+    if index < 2 * _STEPS:
+        return index
+    shift = (index >> _STEP_BITS) - 1
+    return ((_STEPS + (index & (_STEPS - 1)) + 1) << shift) - 1

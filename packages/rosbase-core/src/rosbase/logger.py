@@ -1,0 +1,97 @@
+"""The logger of the four roles: the standard library's, with `once` and a throttle."""
+
+import logging
+import threading
+from typing import Any
+
+from rosbase.clock import Clock, SystemClock
+
+__all__ = ["RosbaseLogger"]
+
+_NS_PER_S = 1_000_000_000
+
+
+class RosbaseLogger:
+    """Writes records of `logging.getLogger("rosbase.<name>")`.
+
+    Handlers, levels and formats are the application's, as everywhere in Python.
+    """
+
+    def __init__(self, name: str, clock: Clock | None = None) -> None:
+        """Takes the name that the records carry, and the clock that throttles."""
+        self.name = name
+        self._logger = logging.getLogger(f"rosbase.{name}")
+        self._clock = clock or SystemClock()
+        self._said: set[tuple[int, str]] = set()
+        self._next_ns: dict[str, int] = {}
+        self._lock = threading.Lock()
+
+    def debug(self, message: str, *, once: bool = False) -> None:
+        """For those who look for a fault."""
+        self._log(logging.DEBUG, message, once)
+
+    def info(self, message: str, *, once: bool = False) -> None:
+        """What goes as it should."""
+        self._log(logging.INFO, message, once)
+
+    def warning(self, message: str, *, once: bool = False) -> None:
+        """What does not, while the work goes on."""
+        self._log(logging.WARNING, message, once)
+
+    def error(self, message: str, *, once: bool = False, exc_info: Any = None) -> None:
+        """What stopped some work; `exc_info` as in `logging`, for a traceback."""
+        self._log(logging.ERROR, message, once, exc_info)
+
+    def critical(self, message: str, *, once: bool = False) -> None:
+        """What stopped all of it."""
+        self._log(logging.CRITICAL, message, once)
+
+    def important(self, message: str, level: str = "INFO") -> None:
+        """A message that should stand out."""
+        self._log(_level(level), f"*** {message} ***")
+
+    def log_once(self, message: str, level: str = "INFO") -> None:
+        """The same message at the same level is written only the first time."""
+        self._log(_level(level), message, once=True)
+
+    def log_throttle(self, message: str, seconds: float, level: str = "INFO") -> None:
+        """The same message is written at most once in that many seconds."""
+        if self.due(message, seconds):
+            self._log(_level(level), message)
+
+    def due(self, key: str, seconds: float) -> bool:
+        """Whether something under `key` may be written again, at most once in `seconds`.
+
+        For messages that change with every call, and should be throttled together.
+        """
+        now_ns = self._clock.monotonic_ns()
+        with self._lock:
+            if now_ns < self._next_ns.get(key, now_ns):
+                return False
+            self._next_ns[key] = now_ns + int(seconds * _NS_PER_S)
+            return True
+
+    def reset(self) -> None:
+        """Forgets which messages have been written once, and every throttle."""
+        with self._lock:
+            self._said.clear()
+            self._next_ns.clear()
+
+    def _log(self, level: int, message: str, once: bool = False, exc_info: Any = None) -> None:
+        if not self._logger.isEnabledFor(level) or (once and not self._first_time(level, message)):
+            return
+        self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=3)
+
+    def _first_time(self, level: int, message: str) -> bool:
+        with self._lock:
+            if (level, message) in self._said:
+                return False
+            self._said.add((level, message))
+            return True
+
+
+def _level(name: str) -> int:
+    level = logging.getLevelNamesMapping().get(name.upper())
+    if level is None:
+        raise ValueError(f"no log level is called {name!r}")
+    return level

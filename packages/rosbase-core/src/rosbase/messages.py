@@ -1,0 +1,127 @@
+"""Messages, with the names, units and conventions of ROS 2, and without ROS.
+
+They are immutable: one object is handed to every subscriber, on any thread, without a
+copy. Use `attrs.evolve(message, ...)` for a changed one.
+
+Sources: common_interfaces (`sensor_msgs`, `geometry_msgs`, `std_msgs`), REP-103 (units),
+REP-145 (IMU drivers).
+"""
+
+from typing import TypeAlias
+
+from attrs import Attribute, field, frozen
+
+__all__ = [
+    "COVARIANCE_NOT_REPORTED",
+    "COVARIANCE_UNKNOWN",
+    "Covariance",
+    "Header",
+    "Imu",
+    "MagneticField",
+    "Quaternion",
+    "Time",
+    "Vector3",
+]
+
+Covariance: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
+"""A 3 x 3 matrix, row-major about x, y, z, in the squared unit of its quantity."""
+
+COVARIANCE_UNKNOWN: Covariance = (0.0,) * 9
+"""The quantity is there; how good it is, is not known (sensor_msgs/Imu)."""
+
+COVARIANCE_NOT_REPORTED: Covariance = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""The quantity is not measured at all; its values mean nothing (sensor_msgs/Imu)."""
+
+_NS_PER_S = 1_000_000_000
+
+
+def _nine(instance: object, attribute: "Attribute[Covariance]", value: Covariance) -> None:
+    if len(value) != 9:
+        raise ValueError(f"{attribute.name} takes 9 numbers, row by row, not {len(value)}")
+
+
+@frozen
+class Time:
+    """A point in time since the Unix epoch, as builtin_interfaces/Time has it."""
+
+    sec: int = 0
+    """Whole seconds."""
+    nanosec: int = 0
+    """Nanoseconds within the second, 0 to 999,999,999."""
+
+    @classmethod
+    def from_nanoseconds(cls, nanoseconds: int) -> "Time":
+        """The time that many nanoseconds after the epoch."""
+        return cls(*divmod(nanoseconds, _NS_PER_S))
+
+    @property
+    def nanoseconds(self) -> int:
+        """All of it, in nanoseconds since the epoch."""
+        return self.sec * _NS_PER_S + self.nanosec
+
+    def to_msg(self) -> "Time":
+        """Itself: rclpy's clock needs this call, so programs written for it make it."""
+        return self
+
+
+@frozen
+class Header:
+    """When and in which frame something was measured (std_msgs/Header)."""
+
+    stamp: Time = Time()
+    """Time of measurement."""
+    frame_id: str = ""
+    """Name of the sensor's frame."""
+
+
+@frozen
+class Vector3:
+    """Three components along the axes of a right-handed frame (geometry_msgs/Vector3)."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@frozen
+class Quaternion:
+    """A rotation; the default is none (geometry_msgs/Quaternion)."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+
+@frozen
+class Imu:
+    """One sample of an inertial measurement unit (sensor_msgs/Imu).
+
+    A quantity that the device does not report has -1 as the first element of its
+    covariance.
+    """
+
+    header: Header = Header()
+    orientation: Quaternion = Quaternion()
+    """The sensor frame as seen from the world frame (ENU), a unit quaternion."""
+    orientation_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
+    """rad^2, about x, y, z."""
+    angular_velocity: Vector3 = Vector3()
+    """rad/s, in the sensor frame."""
+    angular_velocity_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
+    """(rad/s)^2."""
+    linear_acceleration: Vector3 = Vector3()
+    """Specific force in m/s^2: a sensor that lies flat and still shows +9.81 on z."""
+    linear_acceleration_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
+    """(m/s^2)^2."""
+
+
+@frozen
+class MagneticField:
+    """One sample of a magnetometer (sensor_msgs/MagneticField)."""
+
+    header: Header = Header()
+    magnetic_field: Vector3 = Vector3()
+    """Tesla, in the sensor frame; NaN on an axis that is not reported."""
+    magnetic_field_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
+    """T^2; all zeros: unknown."""

@@ -1,0 +1,188 @@
+"""Parameters: what they are called, of which type they are, and which values they take.
+
+The types are those of rcl_interfaces/ParameterType. A whole number is accepted where a
+double is due; nothing else is converted.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from enum import Enum
+from typing import Any, TypeAlias
+
+from attrs import field, frozen
+
+from rosbase.errors import ParameterError
+
+__all__ = [
+    "Parameter",
+    "ParameterKind",
+    "ParameterSpec",
+    "ParameterValue",
+    "check_value",
+    "parse_text",
+]
+
+ParameterValue: TypeAlias = bool | int | float | str | list[float] | list[str]
+
+
+class ParameterKind(Enum):
+    """The type of a parameter; the value is how it is called in a message to the user."""
+
+    BOOL = "true or false"
+    INTEGER = "a whole number"
+    DOUBLE = "a number"
+    STRING = "text"
+    DOUBLE_ARRAY = "numbers such as [1.0, 2.0]"
+    STRING_ARRAY = "texts such as [a, b]"
+
+
+@frozen
+class Parameter:
+    """A declared parameter and its value, as rclpy's `get_parameter` gives it."""
+
+    name: str
+    value: ParameterValue
+
+
+def _kind_of(spec: "ParameterSpec") -> ParameterKind:
+    match spec.default:
+        case bool():
+            return ParameterKind.BOOL
+        case int():
+            return ParameterKind.INTEGER
+        case float():
+            return ParameterKind.DOUBLE
+        case str():
+            return ParameterKind.STRING
+    raise TypeError(f"parameter {spec.name}: say which kind of array it is")
+
+
+@frozen
+class ParameterSpec:
+    """What a parameter is: enough to declare it, to check a value and to explain it."""
+
+    name: str
+    default: ParameterValue
+    description: str = ""
+    kind: ParameterKind = field(kw_only=True)
+    choices: tuple[str, ...] = field(kw_only=True, default=())
+    """The only texts allowed, if there are any here."""
+    minimum: float | None = field(kw_only=True, default=None)
+    """The least number allowed; for arrays, of each element."""
+    maximum: float | None = field(kw_only=True, default=None)
+    """The greatest number allowed; for arrays, of each element."""
+
+    @kind.default
+    def _default_kind(self) -> ParameterKind:
+        return _kind_of(self)
+
+
+def check_value(spec: ParameterSpec, value: object) -> ParameterValue:
+    """The value as the parameter's own type.
+
+    Raises:
+        ParameterError: It is of another type, not finite, out of range, or no choice.
+    """
+    checked = _as_kind(spec, value)
+    for number in checked if isinstance(checked, list) else [checked]:
+        if isinstance(number, (int, float)) and not isinstance(number, bool):
+            _check_number(spec, number)
+    if spec.choices and checked not in spec.choices:
+        raise ParameterError(
+            f"parameter {spec.name} is one of {', '.join(spec.choices)}, not {_shown(value)}"
+        )
+    return checked
+
+
+def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
+    """The value that a user wrote for the parameter, as in `-p name:=text`.
+
+    Raises:
+        ParameterError: The text does not say a value of the parameter's type.
+    """
+    match spec.kind:
+        case ParameterKind.STRING:
+            return check_value(spec, text)
+        case ParameterKind.STRING_ARRAY:
+            return check_value(spec, _items(text))
+        case ParameterKind.DOUBLE_ARRAY:
+            return check_value(spec, [_scalar(item) for item in _items(text)])
+    return check_value(spec, _scalar(text))
+
+
+_INTEGER = re.compile(r"[-+]?\d+", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+
+
+def _scalar(text: str) -> bool | int | float | str:
+    text = text.strip()
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    # Longer numbers mean nothing here, and Python refuses to convert some of them.
+    if len(text) < 400:
+        if _INTEGER.fullmatch(text):
+            return int(text)
+        if _NUMBER.fullmatch(text):
+            return float(text)
+    return text
+
+
+def _items(text: str) -> list[str]:
+    inner = text.strip()
+    if inner.startswith("[") and inner.endswith("]"):
+        inner = inner[1:-1]
+    return [item.strip().strip("\"'") for item in inner.split(",") if item.strip()]
+
+
+def _as_kind(spec: ParameterSpec, value: object) -> ParameterValue:
+    match spec.kind, value:
+        case ParameterKind.BOOL, bool():
+            return value
+        case ((ParameterKind.INTEGER | ParameterKind.DOUBLE), bool()):
+            pass
+        case ParameterKind.INTEGER, int():
+            return value
+        case ParameterKind.DOUBLE, int() | float():
+            return _to_float(spec, value)
+        case ParameterKind.STRING, str():
+            return value
+        case ((ParameterKind.DOUBLE_ARRAY | ParameterKind.STRING_ARRAY), list() | tuple()):
+            return _as_array(spec, value)
+        case ParameterKind.DOUBLE_ARRAY, int() | float():
+            return _as_array(spec, [value])
+    raise _wrong_type(spec, value)
+
+
+def _as_array(spec: ParameterSpec, value: Sequence[Any]) -> ParameterValue:
+    if spec.kind is ParameterKind.STRING_ARRAY:
+        if all(isinstance(item, str) for item in value):
+            return list(value)
+    elif all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
+        return [_to_float(spec, item) for item in value]
+    raise _wrong_type(spec, value)
+
+
+def _to_float(spec: ParameterSpec, value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise ParameterError(f"parameter {spec.name} is too large a number") from None
+
+
+def _check_number(spec: ParameterSpec, number: float) -> None:
+    if not math.isfinite(number):
+        raise ParameterError(f"parameter {spec.name} must be finite, not {number}")
+    if spec.minimum is not None and number < spec.minimum:
+        raise ParameterError(f"parameter {spec.name} is at least {spec.minimum:g}, not {number:g}")
+    if spec.maximum is not None and number > spec.maximum:
+        raise ParameterError(f"parameter {spec.name} is at most {spec.maximum:g}, not {number:g}")
+
+
+def _wrong_type(spec: ParameterSpec, value: object) -> ParameterError:
+    return ParameterError(f"parameter {spec.name} takes {spec.kind.value}, not {_shown(value)}")
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
