@@ -1,0 +1,179 @@
+"""The backend contract: what connects a manager or a lone node to the world.
+
+Must implement: every abstract method. May implement: `spin_until`, where the backend has
+a faster way. Never override: nothing else is called.
+
+Threads: one thread spins, and every callback runs on it. `publish`, `call_soon` and the
+destroying of what was created may be called from any thread; `call_soon` from a signal
+handler too, so it must not wait for a lock.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, TypeVar
+
+from attrs import field, frozen
+
+from rosbase.clock import Clock, SystemClock
+from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+
+__all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
+
+MessageT = TypeVar("MessageT")
+
+
+class Publisher(Protocol):
+    """Sends messages to a topic."""
+
+    @property
+    def topic(self) -> str:
+        """The full name of the topic, such as `/imu/data`."""
+        ...
+
+    def publish(self, message: Any) -> object:
+        """Hands the message to every subscription. From any thread; does not wait for them.
+
+        Raises:
+            TypeError: The message is not of the topic's type.
+        """
+        ...
+
+
+class Subscription(Protocol):
+    """Receives the messages of a topic."""
+
+    @property
+    def topic(self) -> str:
+        """The full name of the topic."""
+        ...
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were lost because the callback was slower than the publisher."""
+        ...
+
+
+class Timer(Protocol):
+    """Calls back again and again. The names are those of rclpy's timer."""
+
+    def cancel(self) -> None:
+        """Stops it, until `reset`."""
+        ...
+
+    def reset(self) -> None:
+        """Starts it again: the next call is one period from now."""
+        ...
+
+    def is_canceled(self) -> bool:
+        """Whether it is stopped."""
+        ...
+
+
+@frozen
+class BackendOptions:
+    """What a backend is opened with."""
+
+    node_name: str
+    """The name under which the world sees it."""
+    parameter_overrides: Mapping[str, ParameterValue] = field(factory=dict)
+    """Values that win over the defaults of the parameters declared later."""
+    clock: Clock = field(factory=SystemClock)
+    """Where the time comes from, where the backend has no clock of its own."""
+
+
+class Backend(ABC):
+    """A connection to the world, for one manager or one lone node."""
+
+    @property
+    @abstractmethod
+    def clock(self) -> Clock:
+        """The clock for stamps, timers and deadlines."""
+
+    @abstractmethod
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
+        """A publisher. `qos` is the history depth, in messages.
+
+        Raises:
+            BackendError: The topic has another type, the name is not one, or the backend
+                is closed.
+        """
+
+    @abstractmethod
+    def create_subscription(
+        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: int
+    ) -> Subscription:
+        """A subscription that keeps the last `qos` messages until the callback has had them.
+
+        Raises:
+            BackendError: The topic has another type, the name is not one, or the backend
+                is closed.
+        """
+
+    @abstractmethod
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """A timer with absolute deadlines; calls that were missed are skipped, not caught up.
+
+        Raises:
+            ValueError: The period is not a positive, finite number of seconds.
+        """
+
+    @abstractmethod
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Ends a publisher of this backend; harmless when it has ended."""
+
+    @abstractmethod
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Ends a subscription: its callback is not called again. Harmless when it has ended."""
+
+    @abstractmethod
+    def destroy_timer(self, timer: Timer) -> None:
+        """Ends a timer; harmless when it has ended."""
+
+    @abstractmethod
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Makes a parameter known, with its override if there is one, else its default.
+
+        Raises:
+            ParameterError: It is declared already, or the override is not a value of it.
+        """
+
+    @abstractmethod
+    def get_parameter(self, name: str) -> Parameter:
+        """The parameter as it is now.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+
+    @abstractmethod
+    def call_soon(self, function: Callable[[], object]) -> None:
+        """Has the spinning thread call `function`. From any thread, and from signal handlers."""
+
+    @abstractmethod
+    def spin_once(self, timeout_s: float) -> bool:
+        """Handles one callback, waiting for one as long as `timeout_s`.
+
+        Returns:
+            Whether there was one. What it raises is raised here.
+        """
+
+    def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
+        """Handles callbacks as they come, until the deadline on the monotonic clock.
+
+        What is ready at the start is handled even if the deadline has passed, so that a
+        loop which is always late does not starve them.
+
+        Args:
+            deadline_ns: When to return.
+            stopping: Asked after each callback; true means return now.
+        """
+        self.spin_once(0.0)
+        while not stopping():
+            left_ns = deadline_ns - self.clock.monotonic_ns()
+            if left_ns <= 0:
+                return
+            self.spin_once(left_ns / 1e9)
+
+    @abstractmethod
+    def close(self) -> None:
+        """Ends everything that was created. Idempotent; nothing is called back afterwards."""

@@ -1,0 +1,25 @@
+"""Plugins: what they can bring, the hooks that ask for it, and a loader that isolates them."""
+
+from rosbase.plugins.descriptors import (
+    BackendPlugin,
+    CommandPlugin,
+    Descriptor,
+    PresetPlugin,
+    TransportPlugin,
+)
+from rosbase.plugins.hookspec import hookimpl
+from rosbase.plugins.loader import PluginRecord
+from rosbase.plugins.registry import ENTRY_POINT_GROUP, PluginRegistry, installed_plugins
+
+__all__ = [
+    "ENTRY_POINT_GROUP",
+    "BackendPlugin",
+    "CommandPlugin",
+    "Descriptor",
+    "PluginRecord",
+    "PluginRegistry",
+    "PresetPlugin",
+    "TransportPlugin",
+    "hookimpl",
+    "installed_plugins",
+]

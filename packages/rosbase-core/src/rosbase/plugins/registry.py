@@ -1,0 +1,154 @@
+"""Finds the installed plugins and answers: which backend, transport or preset is that?"""
+
+import difflib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import TypeVar, cast
+
+import pluggy
+from attrs import evolve
+
+from rosbase.errors import NotInstalledError
+from rosbase.plugins import hookspec
+from rosbase.plugins.descriptors import (
+    BackendPlugin,
+    CommandPlugin,
+    Descriptor,
+    PresetPlugin,
+    TransportPlugin,
+)
+from rosbase.plugins.loader import PluginRecord, load_plugin
+
+__all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
+
+ENTRY_POINT_GROUP = "rosbase"
+
+_CORE = "rosbase-core"
+_OURS = {
+    ("backend", "local"): _CORE,
+    ("backend", "ros2"): "rosbase-ros2",
+    ("transport", "mqtt"): "imu-mqtt",
+    ("transport", "serial"): "imu-serial",
+}
+"""Names that belong to packages of this project: which one to install, and whose they are."""
+
+DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
+
+
+class PluginRegistry:
+    """The plugins that are there, and what they bring."""
+
+    def __init__(self, entries: Iterable[EntryPoint]) -> None:
+        """Loads every entry point; none of them can make this fail."""
+        manager = pluggy.PluginManager(hookspec.PROJECT_NAME)
+        manager.add_hookspecs(hookspec)
+        ordered = sorted(entries, key=lambda e: (e.dist.name if e.dist else "", e.name))
+        records = [load_plugin(manager, entry) for entry in ordered]
+        self._plugins = _refuse_contested(records)
+        self._by_kind: dict[str, dict[str, Descriptor]] = {}
+        for record in self._plugins:
+            for descriptor in record.descriptors:
+                self._by_kind.setdefault(descriptor.kind, {})[descriptor.name] = descriptor
+
+    @property
+    def plugins(self) -> tuple[PluginRecord, ...]:
+        """Every plugin found, the failed ones too, by distribution and name."""
+        return self._plugins
+
+    @property
+    def transports(self) -> Mapping[str, TransportPlugin]:
+        """The transports that can be used, by name."""
+        return self._of(TransportPlugin)
+
+    @property
+    def presets(self) -> Mapping[str, PresetPlugin]:
+        """The payload presets that can be used, by name."""
+        return self._of(PresetPlugin)
+
+    @property
+    def commands(self) -> Mapping[str, CommandPlugin]:
+        """The commands that plugins add, by name."""
+        return self._of(CommandPlugin)
+
+    def backend(self, name: str) -> BackendPlugin:
+        """The backend of that name.
+
+        Raises:
+            NotInstalledError: There is none; the line says what is there and what to install.
+        """
+        return self._find(BackendPlugin, name)
+
+    def transport(self, name: str) -> TransportPlugin:
+        """The transport of that name.
+
+        Raises:
+            NotInstalledError: There is none; the line says what is there and what to install.
+        """
+        return self._find(TransportPlugin, name)
+
+    def preset(self, name: str) -> PresetPlugin:
+        """The payload preset of that name.
+
+        Raises:
+            NotInstalledError: There is none; the line says what is there.
+        """
+        return self._find(PresetPlugin, name)
+
+    def _of(self, kind: type[DescriptorT]) -> Mapping[str, DescriptorT]:
+        return cast(Mapping[str, DescriptorT], self._by_kind.get(kind.kind, {}))
+
+    def _find(self, kind: type[DescriptorT], name: str) -> DescriptorT:
+        found = self._of(kind).get(name)
+        if found is None:
+            raise NotInstalledError(self._explain(kind.kind, name))
+        return found
+
+    def _explain(self, kind: str, name: str) -> str:
+        package = _OURS.get((kind, name))
+        for record in self._plugins:
+            if record.failure and (record.distribution == package or f"'{name}'" in record.failure):
+                return (
+                    f"{kind} '{name}' cannot be used: {record.full_name} failed: {record.failure}"
+                )
+        if package:
+            return f"{kind} '{name}' needs the package {package}: pip install {package}"
+        installed = sorted(self._by_kind.get(kind, {}))
+        near = difflib.get_close_matches(name, installed, n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        return f"no {kind} '{name}'; installed: {', '.join(installed) or 'none'}{hint}"
+
+
+def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
+    """Fails every plugin that claims a name which is not its own alone.
+
+    One of this project's names stays with its package, and the core's with the core.
+    Between others nothing says who is right, so neither is used, and the user is told both.
+    """
+    claims: dict[tuple[str, str], list[PluginRecord]] = {}
+    for record in records:
+        for descriptor in record.descriptors:
+            claims.setdefault((descriptor.kind, descriptor.name), []).append(record)
+    failures: dict[str, str] = {}
+    for (kind, name), claimants in claims.items():
+        core = any(record.distribution == _CORE for record in claimants)
+        owner = _OURS.get((kind, name), _CORE if core else "")
+        others = [record for record in claimants if record.distribution != owner]
+        if owner and len(others) == len(claimants):
+            failures |= {r.full_name: f"{kind} '{name}' is reserved for {owner}" for r in others}
+        elif len(claimants) > 1:
+            who = " and ".join(sorted({record.full_name for record in claimants}))
+            reason = f"{kind} '{name}' is claimed by {who}"
+            failures |= {record.full_name: reason for record in others or claimants}
+    return tuple(
+        evolve(record, descriptors=(), failure=failures[record.full_name])
+        if record.full_name in failures
+        else record
+        for record in records
+    )
+
+
+@cache
+def installed_plugins() -> PluginRegistry:
+    """The registry of this process, loaded when first asked for."""
+    return PluginRegistry(entry_points(group=ENTRY_POINT_GROUP))
