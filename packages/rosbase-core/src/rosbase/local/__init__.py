@@ -1,0 +1,6 @@
+"""The backend of the core: everything in one process, nothing to install."""
+
+from rosbase.local.backend import LocalBackend
+from rosbase.local.bus import Bus
+
+__all__ = ["Bus", "LocalBackend"]

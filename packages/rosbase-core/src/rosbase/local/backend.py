@@ -1,0 +1,133 @@
+"""The `local` backend: topics, timers and parameters within one process."""
+
+import math
+from collections.abc import Callable
+from typing import TypeVar
+
+from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.clock import Clock
+from rosbase.errors import BackendError, ParameterError
+from rosbase.local.bus import Bus, LocalPublisher, LocalSubscription
+from rosbase.local.executor import Executor, LocalTimer
+from rosbase.local.names import resolve_topic
+from rosbase.parameters import Parameter, ParameterSpec, check_value
+
+__all__ = ["LocalBackend"]
+
+MessageT = TypeVar("MessageT")
+
+_process_bus = Bus()
+
+
+class LocalBackend(Backend):
+    """A node's connection to the other nodes of this process."""
+
+    def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
+        """Opens it on the bus of this process, or on one of the caller's own."""
+        self._options = options
+        self._bus = bus or _process_bus
+        self._executor = Executor(options.clock)
+        self._parameters: dict[str, Parameter] = {}
+        self._publishers: list[LocalPublisher] = []
+        self._subscriptions: list[LocalSubscription] = []
+        self._timers: list[LocalTimer] = []
+        self._closed = False
+
+    @property
+    def clock(self) -> Clock:
+        """The clock that the backend was opened with."""
+        return self._options.clock
+
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
+        """A publisher; the depth matters to subscriptions only."""
+        name = self._check(topic, qos)
+        publisher = self._bus.add_publisher(name, msg_type)
+        self._publishers.append(publisher)
+        return publisher
+
+    def create_subscription(
+        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: int
+    ) -> Subscription:
+        """A subscription that keeps the last `qos` messages."""
+        name = self._check(topic, qos)
+        subscription = LocalSubscription(name, callback, qos, self._executor.call_soon)
+        self._bus.add_subscription(subscription, msg_type)
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """A timer; the first call is one period from now."""
+        self._check_open()
+        if not (math.isfinite(period_s) and period_s > 0):
+            raise ValueError(f"a timer's period is a positive number of seconds, not {period_s!r}")
+        timer = LocalTimer(self._executor, max(1, int(period_s * 1e9)), callback)
+        timer.reset()
+        self._timers.append(timer)
+        return timer
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Ends a publisher."""
+        if publisher in self._publishers:
+            self._publishers.remove(publisher)
+            self._bus.remove_publisher(publisher)
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Ends a subscription."""
+        if subscription in self._subscriptions:
+            self._subscriptions.remove(subscription)
+            self._bus.remove_subscription(subscription)
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Ends a timer."""
+        if timer in self._timers:
+            self._timers.remove(timer)
+            timer.cancel()
+
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Makes a parameter known, with its override if there is one."""
+        if spec.name in self._parameters:
+            raise ParameterError(f"parameter {spec.name} is declared twice")
+        value = self._options.parameter_overrides.get(spec.name, spec.default)
+        parameter = Parameter(spec.name, check_value(spec, value))
+        self._parameters[spec.name] = parameter
+        return parameter
+
+    def get_parameter(self, name: str) -> Parameter:
+        """The parameter as it is now."""
+        try:
+            return self._parameters[name]
+        except KeyError:
+            raise ParameterError(f"parameter {name} has not been declared") from None
+
+    def call_soon(self, function: Callable[[], object]) -> None:
+        """Has the spinning thread call `function`."""
+        self._executor.call_soon(function)
+
+    def spin_once(self, timeout_s: float) -> bool:
+        """Handles one callback, waiting for one as long as `timeout_s`."""
+        return self._executor.spin_once(timeout_s)
+
+    def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
+        """Handles callbacks as they come, until the deadline."""
+        self._executor.spin_until(deadline_ns, stopping)
+
+    def close(self) -> None:
+        """Ends everything that was created."""
+        self._closed = True
+        for publisher in list(self._publishers):
+            self.destroy_publisher(publisher)
+        for subscription in list(self._subscriptions):
+            self.destroy_subscription(subscription)
+        for timer in list(self._timers):
+            self.destroy_timer(timer)
+        self._executor.clear()
+
+    def _check(self, topic: str, qos: int) -> str:
+        self._check_open()
+        if not isinstance(qos, int) or isinstance(qos, bool) or qos < 1:
+            raise BackendError(f"the depth of {topic!r} is a whole number from 1 up, not {qos!r}")
+        return resolve_topic(topic, self._options.node_name)
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise BackendError("the backend is closed")

@@ -1,0 +1,20 @@
+"""Registers the `local` backend, by the same hook as every other."""
+
+from collections.abc import Iterable
+
+from rosbase.backend import Backend, BackendOptions
+from rosbase.plugins import BackendPlugin, hookimpl
+
+__all__ = ["rosbase_backends"]
+
+
+def _create(options: BackendOptions) -> Backend:
+    from rosbase.local.backend import LocalBackend
+
+    return LocalBackend(options)
+
+
+@hookimpl
+def rosbase_backends() -> Iterable[BackendPlugin]:
+    """The backend of the core."""
+    yield BackendPlugin("local", "topics, timers and parameters within one process", _create)
