@@ -1,0 +1,58 @@
+"""The handlers: one call per cycle, where scheduling and task state machines live."""
+
+from typing import Any
+
+from rosbase.context import ManagerContext
+from rosbase.logger import RosbaseLogger
+
+__all__ = ["BaseHandlers"]
+
+
+class BaseHandlers:
+    """Decides, once per tick, what nodes and agents do next."""
+
+    def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
+        """Attaches to the manager; ignores whatever else is forwarded."""
+        self.manager = manager
+        self.logger = manager.logger if manager is not None else RosbaseLogger(type(self).__name__)
+        self._own_state: str | None = None
+
+    def handle(self) -> None:
+        """Called once per tick of the main loop. Do what is due and return soon."""
+
+    @property
+    def nodes(self) -> dict[str, Any]:
+        """The manager's nodes by name; none without a manager."""
+        return self.manager.nodes if self.manager is not None else {}
+
+    @property
+    def agents(self) -> dict[str, Any]:
+        """The manager's agents by name; none without a manager."""
+        return self.manager.agents if self.manager is not None else {}
+
+    @property
+    def timestamp(self) -> int:
+        """Ticks of the manager's main loop; 0 without a manager."""
+        return self.manager.timestamp if self.manager is not None else 0
+
+    @timestamp.setter
+    def timestamp(self, value: int) -> None:
+        if self.manager is not None:
+            self.manager.timestamp = value
+
+    @property
+    def node_freq_hz(self) -> float:
+        """The rate of the manager's main loop; 0 without a manager."""
+        return self.manager.node_freq_hz if self.manager is not None else 0.0
+
+    @property
+    def state(self) -> str | None:
+        """The manager's state, to read and to set."""
+        return self.manager.state if self.manager is not None else self._own_state
+
+    @state.setter
+    def state(self, value: str | None) -> None:
+        if self.manager is not None:
+            self.manager.state = value
+        else:
+            self._own_state = value

@@ -1,0 +1,227 @@
+"""A node with the managed lifecycle of ROS 2."""
+
+import threading
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, TypeVar
+
+from rosbase.backend import Publisher
+from rosbase.errors import TransitionNotAvailableError
+from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
+from rosbase.node import BaseNode
+
+__all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
+
+Autostart: TypeAlias = Literal["none", "configure", "activate"]
+"""How far a manager brings a lifecycle node up by itself."""
+
+MessageT = TypeVar("MessageT")
+
+
+class LifecyclePublisher:
+    """A publisher that sends only while its node is active."""
+
+    __slots__ = ("_publisher", "_send", "is_enabled")
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publisher = publisher
+        self._send = publisher.publish
+        self.is_enabled = False
+        """Whether the node is active."""
+
+    @property
+    def topic(self) -> str:
+        """The full name of the topic."""
+        return self._publisher.topic
+
+    @property
+    def inner(self) -> Publisher:
+        """The backend's publisher."""
+        return self._publisher
+
+    def publish(self, message: Any) -> bool:
+        """Hands the message on if the node is active; tells whether it was."""
+        if not self.is_enabled:
+            return False
+        self._send(message)
+        return True
+
+
+class LifecycleNode(BaseNode):
+    """A node that is configured, activated, deactivated and cleaned up on request.
+
+    Override the `on_...` callbacks. Each is given the primary state that the node was in,
+    and answers SUCCESS, FAILURE (back to where it was) or ERROR (`on_error` follows).
+    Raising is ERROR. One transition runs at a time; requests for another, or for one that
+    does not start at the present state, are refused and change nothing.
+    """
+
+    autostart: Autostart = "none"
+    """How far the manager brings this node up by itself."""
+
+    def __init__(self, manager: Any = None, *args: Any, **kwargs: Any) -> None:
+        """As every node; starts unconfigured."""
+        super().__init__(manager, *args, **kwargs)
+        self.last_error: BaseException | None = None
+        """What a callback raised, or `raise_error` was given, the last time."""
+        self._machine = Machine()
+        self._transition_lock = threading.Lock()
+        self._gated: list[LifecyclePublisher] = []
+        self._listeners: list[Callable[[TransitionEvent], object]] = []
+
+    # What users override.
+
+    def on_configure(self, previous_state: State) -> CallbackReturn:
+        """Called on configure. Read parameters and take what the node needs."""
+        return CallbackReturn.SUCCESS
+
+    def on_activate(self, previous_state: State) -> CallbackReturn:
+        """Called on activate. Start the work; publishers are enabled on SUCCESS."""
+        return CallbackReturn.SUCCESS
+
+    def on_deactivate(self, previous_state: State) -> CallbackReturn:
+        """Called on deactivate, publishers being disabled already. Stop the work."""
+        return CallbackReturn.SUCCESS
+
+    def on_cleanup(self, previous_state: State) -> CallbackReturn:
+        """Called on cleanup. Give back what `on_configure` took."""
+        return CallbackReturn.SUCCESS
+
+    def on_shutdown(self, previous_state: State) -> CallbackReturn:
+        """Called on shutdown, from any of the other states. Stop, and give everything back."""
+        return CallbackReturn.SUCCESS
+
+    def on_error(self, previous_state: State) -> CallbackReturn:
+        """Called after ERROR. Undo everything: SUCCESS means unconfigured, else finalized."""
+        return CallbackReturn.SUCCESS
+
+    # What users call.
+
+    def get_state(self) -> State:
+        """Where the lifecycle is, also while a transition runs."""
+        return self._machine.state
+
+    def get_available_transitions(self) -> tuple[Transition, ...]:
+        """The transitions that start at the present state."""
+        return self._machine.available_transitions()
+
+    def add_transition_listener(self, listener: Callable[[TransitionEvent], object]) -> None:
+        """Has `listener(event)` called after each step, on the thread that takes it."""
+        self._listeners.append(listener)
+
+    def trigger_configure(self) -> CallbackReturn:
+        """unconfigured -> inactive. As all of these, it answers what the callback did.
+
+        Raises:
+            TransitionNotAvailableError: Not from this state, or another one is under way.
+        """
+        return self.request_transition(label="configure")
+
+    def trigger_activate(self) -> CallbackReturn:
+        """inactive -> active."""
+        return self.request_transition(label="activate")
+
+    def trigger_deactivate(self) -> CallbackReturn:
+        """active -> inactive."""
+        return self.request_transition(label="deactivate")
+
+    def trigger_cleanup(self) -> CallbackReturn:
+        """inactive -> unconfigured."""
+        return self.request_transition(label="cleanup")
+
+    def trigger_shutdown(self) -> CallbackReturn:
+        """unconfigured, inactive or active -> finalized."""
+        return self.request_transition(label="shutdown")
+
+    def request_transition(self, transition_id: int = 0, label: str = "") -> CallbackReturn:
+        """Runs the transition of that label, or else of that id, with its callback.
+
+        Returns:
+            What the callback answered. ERROR stays ERROR when `on_error` has mended it.
+
+        Raises:
+            TransitionNotAvailableError: Not from this state, or another one is under way.
+        """
+        return self._drive(lambda: self._machine.request(transition_id, label))
+
+    def raise_error(self, error: BaseException) -> CallbackReturn:
+        """Reports a fault outside of any transition: `on_error` runs, as after ERROR.
+
+        Returns:
+            What `on_error` answered.
+
+        Raises:
+            TransitionNotAvailableError: The node is finalized, or a transition is under way.
+        """
+
+        def begin() -> TransitionEvent:
+            event = self._machine.raise_error()
+            self.last_error = error
+            return event
+
+        return self._drive(begin)
+
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos: int = 10
+    ) -> LifecyclePublisher:
+        """A publisher that sends only while the node is active."""
+        publisher = LifecyclePublisher(super().create_publisher(msg_type, topic, qos))
+        publisher.is_enabled = self._machine.state is State.ACTIVE
+        self._gated.append(publisher)
+        return publisher
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Ends a publisher."""
+        if isinstance(publisher, LifecyclePublisher):
+            publisher.is_enabled = False
+            if publisher in self._gated:
+                self._gated.remove(publisher)
+            publisher = publisher.inner
+        super().destroy_publisher(publisher)
+
+    # How a transition runs.
+
+    def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
+        if not self._transition_lock.acquire(blocking=False):
+            raise TransitionNotAvailableError("another transition is under way")
+        try:
+            self._note(begin())
+            answer, interrupt = self._call_back()
+            self._note(self._machine.finish(answer))
+            if self._machine.state is State.ERRORPROCESSING:
+                healed, second = self._call_back()
+                interrupt = interrupt or second
+                self._note(self._machine.finish(healed))
+        finally:
+            self._transition_lock.release()
+        if interrupt is not None:
+            raise interrupt
+        return answer
+
+    def _call_back(self) -> tuple[CallbackReturn, BaseException | None]:
+        """Runs the callback of the present state; gives its answer, and a Ctrl-C to pass on."""
+        name = CALLBACKS[self._machine.state]
+        try:
+            answer = getattr(self, name)(self._machine.previous_state)
+        except Exception as error:
+            self.last_error = error
+            self.logger.error(f"{name} raised {type(error).__name__}: {error}", exc_info=error)
+            return CallbackReturn.ERROR, None
+        except BaseException as error:
+            # The machine must come to rest, whatever ends the program.
+            self.last_error = error
+            return CallbackReturn.ERROR, error
+        if isinstance(answer, CallbackReturn):
+            return answer, None
+        self.last_error = TypeError(f"{name} must return a CallbackReturn, not {answer!r}")
+        self.logger.error(str(self.last_error))
+        return CallbackReturn.ERROR, None
+
+    def _note(self, event: TransitionEvent) -> None:
+        is_active = event.goal is State.ACTIVE
+        for publisher in self._gated:
+            publisher.is_enabled = is_active
+        for listener in self._listeners:
+            try:
+                listener(event)
+            except Exception as error:
+                self.logger.error(f"a transition listener raised {error!r}", exc_info=error)

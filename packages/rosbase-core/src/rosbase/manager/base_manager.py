@@ -1,0 +1,221 @@
+"""The manager: owns everything in one process, and ties the roles together."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from rosbase.agent import BaseAgent
+from rosbase.backend import Backend, BackendOptions
+from rosbase.connection import open_backend
+from rosbase.errors import HandshakeTimeoutError
+from rosbase.handlers import BaseHandlers
+from rosbase.lifecycle_node import LifecycleNode
+from rosbase.logger import RosbaseLogger
+from rosbase.manager.bringup import bring_up, take_down
+from rosbase.manager.handshake import Handshake
+from rosbase.manager.main_loop import run_main_loop
+from rosbase.manager.shutdown import run_steps
+from rosbase.node import BaseNode
+from rosbase.rate import LoopStats
+from rosbase.stopping import stop_on_signals
+
+__all__ = ["BaseManager"]
+
+ComponentT = TypeVar("ComponentT")
+
+_HANDSHAKE_SLICE_NS = 100_000_000
+_PENDING_REPORT_S = 5.0
+_LOG_FREQ_S = 1.0
+
+
+class BaseManager:
+    """Registers nodes, agents and handlers, shakes hands, runs the main loop, cleans up.
+
+    `start_main_loop_timer()` does all of it and returns when the application has ended.
+    """
+
+    def __init__(
+        self,
+        node_name: str = "BaseManager",
+        nodes_dict: Mapping[str, type[BaseNode]] | None = None,
+        agents_dict: Mapping[str, type[BaseAgent]] | None = None,
+        handlers_class: type[BaseHandlers] | None = None,
+        node_freq_hz: float = 200,
+        start_state: str | None = None,
+        custom_logger: Callable[[str], Any] | None = None,
+        log_freq: bool = False,
+        *args: Any,
+        backend: str | Backend | None = None,
+        handshake_timeout: float | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Builds all components, in this order: nodes, agents, handlers.
+
+        Args:
+            node_name: The name under which the world sees this process.
+            nodes_dict: Node classes by the name they get in `nodes`.
+            agents_dict: Agent classes by the name they get in `agents`.
+            handlers_class: The class whose `handle()` is called once per tick.
+            node_freq_hz: Ticks per second.
+            start_state: The first value of `state`.
+            custom_logger: A class that is called with the node name for the logger.
+            log_freq: Whether the measured rate is logged, once a second.
+            args: Forwarded to every component as they are.
+            backend: By name or ready made; by default what `ROSBASE_BACKEND` says, else `local`.
+            handshake_timeout: Seconds after which a handshake that does not succeed is an error.
+            kwargs: Forwarded to every component as they are.
+        """
+        self.logger = (custom_logger or RosbaseLogger)(node_name)
+        self.backend = open_backend(backend, BackendOptions(node_name=node_name))
+        self.node_freq_hz = node_freq_hz
+        self.state = start_state
+        self.timestamp = 0
+        self.nodes: dict[str, Any] = {}
+        self.agents: dict[str, Any] = {}
+        self.handlers: BaseHandlers | None = None
+        self.loop_stats = LoopStats()
+        self._handshake = Handshake(self.logger)
+        self._handshake_timeout_s = handshake_timeout
+        self._log_freq = log_freq
+        self._ticks_logged = 0
+        self._stop_requested = False
+        self._has_shut_down = False
+        try:
+            self.init_custom_variables()
+            for name, node_class in (nodes_dict or {}).items():
+                self.nodes[name] = self._build(node_class, args, kwargs)
+            for name, agent_class in (agents_dict or {}).items():
+                self.agents[name] = self._build(agent_class, args, kwargs)
+            if handlers_class is not None:
+                self.handlers = self._build(handlers_class, args, kwargs)
+        except BaseException:
+            self.backend.close()
+            raise
+
+    # What users override.
+
+    def init_custom_variables(self) -> None:
+        """Called before the first component is built. Set what components expect to find."""
+
+    def handshake(self) -> bool | None:
+        """Called until it answers anything but False; messages are handled in between."""
+        return not self._handshake.pending()
+
+    def main_loop(self) -> None:
+        """Called once per tick. The order is the promise; override it to have another."""
+        switch = None
+        get_state_switch = getattr(self, "get_state_switch", None)
+        if get_state_switch is not None:
+            switch = get_state_switch()
+            if switch is not None:
+                self.state = switch
+        state_handle = getattr(self, "state_handle", None)
+        if state_handle is not None:
+            state_handle(switch)
+        if self.handlers is not None:
+            self.handlers.handle()
+        self.update_timestamp()
+        if self._log_freq:
+            self._report_frequency()
+
+    def update_timestamp(self) -> None:
+        """Called at the end of each tick: one more."""
+        self.timestamp += 1
+
+    def release_resources(self) -> None:
+        """Called when the application ends. Close windows, files, threads and devices here."""
+
+    # What users call.
+
+    def add_handshake_rule(self, name: str, predicate: Callable[[], object]) -> None:
+        """Adds a condition that must hold before the main loop starts."""
+        self._handshake.add(name, predicate)
+
+    def request_stop(self) -> None:
+        """Ends the main loop after the present tick. From any thread, and signal handlers."""
+        self._stop_requested = True
+        self.backend.call_soon(_nothing)
+
+    def start_main_loop_timer(self) -> None:
+        """Shakes hands, brings lifecycle nodes up, runs the main loop, and cleans up.
+
+        Returns when stopped, by `request_stop`, SIGINT or SIGTERM. What user code raises
+        is raised here, after the whole clean-up.
+
+        Raises:
+            HandshakeTimeoutError: The rules that it names did not come true in time.
+        """
+        with stop_on_signals(self.request_stop):
+            try:
+                self._wait_for_handshake()
+                bring_up(self._lifecycle_nodes(), self._is_stopping)
+                run_main_loop(
+                    self.backend,
+                    self.node_freq_hz,
+                    self.main_loop,
+                    self._is_stopping,
+                    self.loop_stats,
+                )
+            except BaseException:
+                self._shut_down()
+                raise
+            failure = self._shut_down()
+            if failure is not None:
+                raise failure
+
+    def start_main_loop(self) -> None:
+        """The older name of `start_main_loop_timer`."""
+        self.start_main_loop_timer()
+
+    def destroy_node(self) -> None:
+        """Ends the connection of this manager. The main loop does it; harmless when done."""
+        self.backend.close()
+
+    def _build(
+        self, component: Callable[..., ComponentT], args: tuple[Any, ...], kwargs: dict[str, Any]
+    ) -> ComponentT:
+        # By name, because components may take it from their keyword arguments; but Python
+        # has no place for positional ones after a named first.
+        return component(self, *args, **kwargs) if args else component(manager=self, **kwargs)
+
+    def _is_stopping(self) -> bool:
+        return self._stop_requested
+
+    def _lifecycle_nodes(self) -> list[LifecycleNode]:
+        return [node for node in self.nodes.values() if isinstance(node, LifecycleNode)]
+
+    def _wait_for_handshake(self) -> None:
+        clock = self.backend.clock
+        start_ns = clock.monotonic_ns()
+        while not self._stop_requested and self.handshake() is False:
+            pending = ", ".join(self._handshake.pending()) or "the manager's own handshake"
+            waited_s = (clock.monotonic_ns() - start_ns) / 1e9
+            if self._handshake_timeout_s is not None and waited_s >= self._handshake_timeout_s:
+                raise HandshakeTimeoutError(f"after {waited_s:.1f} s still waiting for: {pending}")
+            self.logger.log_throttle(f"waiting for: {pending}", _PENDING_REPORT_S)
+            self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
+
+    def _report_frequency(self) -> None:
+        # `due` also says yes the first time, when there is nothing to report yet.
+        if self.logger.due("main loop frequency", _LOG_FREQ_S):
+            if self._ticks_logged:
+                rate_hz = (self.loop_stats.ticks - self._ticks_logged) / _LOG_FREQ_S
+                self.logger.info(f"main loop: {rate_hz:.1f} Hz")
+            self._ticks_logged = self.loop_stats.ticks
+
+    def _shut_down(self) -> Exception | None:
+        if self._has_shut_down:
+            return None
+        self._has_shut_down = True
+        return run_steps(
+            [
+                ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes())),
+                ("release_resources", self.release_resources),
+                ("destroy_node", self.destroy_node),
+                ("backend", self.backend.close),
+            ],
+            self.logger,
+        )
+
+
+def _nothing() -> None:
+    """What is called to wake the main loop."""

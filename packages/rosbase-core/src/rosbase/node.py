@@ -1,0 +1,164 @@
+"""The node: communication and caching, attached to a manager or alone, with the same code."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.clock import Clock
+from rosbase.connection import open_backend
+from rosbase.context import ManagerContext
+from rosbase.logger import RosbaseLogger
+from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.stopping import stop_on_signals
+
+__all__ = ["BaseNode"]
+
+MessageT = TypeVar("MessageT")
+
+_NS_PER_S = 1_000_000_000
+
+
+class BaseNode:
+    """Publishes, subscribes, and keeps what came in for handlers and agents to read.
+
+    With a manager it uses the manager's connection. Without one it opens its own, and
+    `start_spin_standalone()` runs it.
+    """
+
+    def __init__(
+        self,
+        manager: ManagerContext | None = None,
+        *args: Any,
+        node_name: str | None = None,
+        backend: str | Backend | None = None,
+        custom_logger: Callable[[str], Any] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Attaches to the manager, or opens a connection.
+
+        Args:
+            manager: The manager that registers this node, if one does.
+            args: Whatever the manager forwards; ignored here.
+            node_name: The name of a lone node; that of its class by default.
+            backend: The backend of a lone node, by name or ready made.
+            custom_logger: A class that a lone node calls with its name for its logger.
+            kwargs: Whatever the manager forwards; ignored here.
+        """
+        self.manager = manager
+        self._stop_requested = False
+        if manager is not None:
+            self._backend = manager.backend
+            self.logger = manager.logger
+            return
+        name = node_name or type(self).__name__
+        self.logger = (custom_logger or RosbaseLogger)(name)
+        self._backend = open_backend(backend, BackendOptions(node_name=name))
+
+    @property
+    def nodes(self) -> dict[str, Any]:
+        """The manager's nodes by name; none without a manager."""
+        return self.manager.nodes if self.manager is not None else {}
+
+    @property
+    def agents(self) -> dict[str, Any]:
+        """The manager's agents by name; none without a manager."""
+        return self.manager.agents if self.manager is not None else {}
+
+    @property
+    def timestamp(self) -> int:
+        """Ticks of the manager's main loop; 0 without a manager."""
+        return self.manager.timestamp if self.manager is not None else 0
+
+    @property
+    def node_freq_hz(self) -> float:
+        """The rate of the manager's main loop; 0 without a manager."""
+        return self.manager.node_freq_hz if self.manager is not None else 0.0
+
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int = 10) -> Publisher:
+        """A publisher of messages of that type. `qos` is the history depth, in messages."""
+        return self._backend.create_publisher(msg_type, topic, qos)
+
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos: int = 10,
+    ) -> Subscription:
+        """Has `callback(message)` called on the main-loop thread.
+
+        The last `qos` messages wait for it; older ones are dropped and counted.
+        """
+        return self._backend.create_subscription(msg_type, topic, callback, qos)
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
+        """Has `callback()` called on the main-loop thread, every so many seconds."""
+        return self._backend.create_timer(timer_period_sec, callback)
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Ends a publisher."""
+        self._backend.destroy_publisher(publisher)
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Ends a subscription: its callback is not called again."""
+        self._backend.destroy_subscription(subscription)
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Ends a timer."""
+        self._backend.destroy_timer(timer)
+
+    def get_clock(self) -> Clock:
+        """The clock: `get_clock().now()` is a stamp."""
+        return self._backend.clock
+
+    def declare_parameter(
+        self, name: str, value: ParameterValue, spec: ParameterSpec | None = None
+    ) -> Parameter:
+        """Makes a parameter known, and gives it with its value as it was set from outside.
+
+        Args:
+            name: Its name.
+            value: Its default, which also says its type.
+            spec: More about it, such as its range; its name and default are those above.
+
+        Raises:
+            ParameterError: It exists already, or was set to something that it cannot be.
+        """
+        return self._backend.declare_parameter(spec or ParameterSpec(name, value))
+
+    def get_parameter(self, name: str) -> Parameter:
+        """A declared parameter; what it is set to is its `value`.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+        return self._backend.get_parameter(name)
+
+    def start_spin_standalone(self) -> None:
+        """Runs a lone node until SIGINT or SIGTERM, then cleans up after it.
+
+        Raises:
+            RuntimeError: The node belongs to a manager, which does the spinning.
+        """
+        if self.manager is not None:
+            raise RuntimeError("a node with a manager is run by the manager")
+        try:
+            with stop_on_signals(self._request_stop):
+                while not self._stop_requested:
+                    deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
+                    self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
+        finally:
+            self.release_resources()
+            self.destroy_node()
+
+    def release_resources(self) -> None:
+        """Called when the node ends. Override it to release files, threads and devices."""
+
+    def destroy_node(self) -> None:
+        """Closes a lone node's own connection. Harmless when done, or with a manager."""
+        if self.manager is None:
+            self._backend.close()
+
+    def _request_stop(self) -> None:
+        self._stop_requested = True
+        self._backend.call_soon(lambda: None)

@@ -1,0 +1,40 @@
+"""Ctrl-C and SIGTERM as a request: the first asks, the second forces."""
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+__all__ = ["stop_on_signals"]
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextmanager
+def stop_on_signals(request_stop: Callable[[], object]) -> Iterator[None]:
+    """Has SIGINT and SIGTERM call `request_stop`, as long as the context lasts.
+
+    It must be quick and take no locks, for it runs in the signal handler. A second signal
+    ends the process at once, with the status that a shell gives to that signal. Outside of
+    the main thread, where Python delivers no signals, nothing changes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked = False
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        if asked:
+            os._exit(128 + signum)
+        asked = True
+        request_stop()
+
+    before = {number: signal.signal(number, handle) for number in _SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
