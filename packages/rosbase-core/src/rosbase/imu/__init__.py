@@ -1,0 +1,1 @@
+"""The IMU reader: payload mapping, the lifecycle node that publishes, and a simulator."""

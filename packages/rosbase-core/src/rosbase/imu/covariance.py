@@ -1,0 +1,28 @@
+"""Covariances from standard deviations (REP-145: parameters override what a device says)."""
+
+from collections.abc import Sequence
+
+from rosbase.errors import ParameterError
+from rosbase.messages import COVARIANCE_UNKNOWN, Covariance
+
+__all__ = ["covariance_of"]
+
+
+def covariance_of(name: str, stddev: Sequence[float]) -> Covariance:
+    """The covariance matrix with the squares of `stddev` on its diagonal.
+
+    Args:
+        name: The parameter, for messages.
+        stddev: One number for all axes, or three for x, y, z; none: unknown.
+
+    Raises:
+        ParameterError: There are two numbers, or more than three, or a square is too large.
+    """
+    if not stddev:
+        return COVARIANCE_UNKNOWN
+    if len(stddev) not in (1, 3):
+        raise ParameterError(f"parameter {name} takes one number or three, not {len(stddev)}")
+    x, y, z = (value * value for value in (stddev if len(stddev) == 3 else [*stddev] * 3))
+    if not x + y + z < float("inf"):
+        raise ParameterError(f"parameter {name} is too large")
+    return (x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z)

@@ -1,0 +1,14 @@
+"""Registers the payload presets of the core."""
+
+from collections.abc import Iterable
+
+from rosbase.imu.presets import PRESETS
+from rosbase.plugins import PresetPlugin, hookimpl
+
+__all__ = ["rosbase_presets"]
+
+
+@hookimpl
+def rosbase_presets() -> Iterable[PresetPlugin]:
+    """The presets of the core."""
+    return PRESETS

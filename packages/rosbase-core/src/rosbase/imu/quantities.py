@@ -1,0 +1,121 @@
+"""Reads a vector or a quaternion out of a payload, in SI units, or says why it cannot."""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from operator import itemgetter
+from typing import Any, TypeAlias
+
+from rosbase.imu.paths import MISSING, Path, resolve
+from rosbase.imu.rejects import Reject
+
+__all__ = ["Numbers", "QuantityReader", "compile_quantity", "unit_quaternion"]
+
+Numbers: TypeAlias = tuple[float, ...]
+
+QuantityReader: TypeAlias = Callable[[object], Numbers | Reject | None]
+"""Gives finite numbers in SI units; None if the payload has nothing of the quantity."""
+
+# As JSON writes numbers: Python's float() would also take 'nan', '1_0' and Arabic digits.
+_NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
+
+# Nearer to 1 than this is what rounding leaves, and is published as it was reported.
+_ROUNDING = 1e-6
+
+
+def compile_quantity(
+    name: str, paths: Sequence[Path], factor: float, *, numeric_strings: bool = False
+) -> QuantityReader:
+    """A reader for the numbers at `paths`.
+
+    Args:
+        name: The quantity, for messages.
+        paths: Where the components are, in the order in which they are given back.
+        factor: What each is multiplied by.
+        numeric_strings: Whether a text that is a JSON number counts as one.
+    """
+
+    def read_carefully(payload: object) -> Numbers | Reject | None:
+        found = [resolve(payload, path) for path in paths]
+        missing = sum(value is MISSING for value in found)
+        if missing:
+            return None if missing == len(found) else Reject("incomplete", name)
+        numbers: list[float] = []
+        for value in found:
+            number = _to_float(value, numeric_strings)
+            if isinstance(number, Reject):
+                return Reject(number.reason, f"{name}: {number.detail}")
+            scaled = number * factor
+            if not math.isfinite(scaled):
+                return Reject("non_finite", name)
+            numbers.append(scaled)
+        return tuple(numbers)
+
+    shared = _shared_parent(paths)
+    if shared is None:
+        return read_carefully
+    parent_steps, keys = shared
+    get_components = itemgetter(*keys)
+
+    def read(payload: object) -> Numbers | Reject | None:
+        # The usual case: all components in one place, all of them floats. Whatever is
+        # different goes the careful way, which alone decides what it means.
+        try:
+            parent: Any = payload
+            for step in parent_steps:
+                parent = parent[step]
+            numbers: Numbers = get_components(parent)
+        except (KeyError, IndexError, TypeError):
+            return read_carefully(payload)
+        for number in numbers:
+            if type(number) is not float:
+                return read_carefully(payload)
+        if factor != 1.0:
+            numbers = tuple([number * factor for number in numbers])
+        total = sum(numbers)
+        # Only a finite number minus itself is zero.
+        return numbers if total - total == 0.0 else read_carefully(payload)
+
+    return read
+
+
+def unit_quaternion(numbers: Numbers, tolerance: float) -> Numbers | Reject:
+    """The quaternion with norm 1, if it was within `tolerance` of it.
+
+    Args:
+        numbers: Four components, in any order.
+        tolerance: How far from 1 the norm may be.
+    """
+    norm = math.hypot(*numbers)
+    error = abs(norm - 1.0)
+    if error <= _ROUNDING:
+        return numbers
+    if error <= tolerance:
+        return tuple([number / norm for number in numbers])
+    return Reject("bad_quaternion", f"norm {norm:.6g}")
+
+
+def _shared_parent(paths: Sequence[Path]) -> tuple[tuple[str | int, ...], list[str | int]] | None:
+    """The steps to the place where all components stand, and their keys there."""
+    if any(len(path) != 1 for path in paths):
+        return None
+    parents = {path[0][:-1] for path in paths}
+    if len(parents) != 1:
+        return None
+    return parents.pop(), [path[0][-1] for path in paths]
+
+
+def _to_float(value: object, numeric_strings: bool) -> float | Reject:
+    if isinstance(value, str) and numeric_strings and _NUMBER.fullmatch(value.strip()):
+        return float(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return Reject("wrong_type", _kind(value))
+    try:
+        return float(value)
+    except OverflowError:
+        return Reject("out_of_range", "an integer beyond any double")
+
+
+def _kind(value: object) -> str:
+    names = {type(None): "null", bool: "true or false", str: "text", list: "a list"}
+    return names.get(type(value), "an object")

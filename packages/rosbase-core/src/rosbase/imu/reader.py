@@ -1,0 +1,268 @@
+"""The IMU reader: a lifecycle node that turns the frames of a device into messages."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rosbase.backend import Timer
+from rosbase.errors import ConfigurationError, TransportError
+from rosbase.imu.counts import Counts, CountsSnapshot
+from rosbase.imu.health import Health, HealthLevel, judge_health
+from rosbase.imu.mapping import Sample, SampleReader
+from rosbase.imu.plausibility import Plausibility
+from rosbase.imu.rejects import REASONS, Reject
+from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
+from rosbase.lifecycle import CallbackReturn, State
+from rosbase.lifecycle_node import LifecycleNode, LifecyclePublisher
+from rosbase.messages import (
+    COVARIANCE_NOT_REPORTED,
+    Header,
+    Imu,
+    MagneticField,
+    Quaternion,
+    Time,
+    Vector3,
+)
+from rosbase.plugins import PluginRegistry, installed_plugins
+from rosbase.transport import Transport, TransportContext, TransportHealth
+
+__all__ = ["DEFAULT_NODE_NAME", "ImuReader"]
+
+DEFAULT_NODE_NAME = "lifecycle_manager"
+
+_DEPTH = 1000
+_HEALTH_PERIOD_S = 0.5
+_REJECT_LOG_S = 5.0
+_NO_ORIENTATION = Quaternion()
+_NO_VECTOR = Vector3()
+
+
+class ImuReader(LifecycleNode):
+    """Reads an IMU through any transport and publishes what it measures.
+
+    Topics: `imu/data` for samples with an orientation, `imu/data_raw` for those without
+    (REP-145), `imu/mag` for the magnetic field.
+
+    configure takes the device, activate starts reading, deactivate stops and gives the
+    device back, cleanup and shutdown release everything. Frames become messages on the
+    transport's reader thread; a bad one is dropped and counted, and the next goes through.
+    """
+
+    def __init__(
+        self, manager: Any = None, *args: Any, registry: PluginRegistry | None = None, **kwargs: Any
+    ) -> None:
+        """Declares the parameters, those of every installed transport too.
+
+        Raises:
+            ConfigurationError: They ask for what is not installed, or contradict each other.
+        """
+        super().__init__(manager, *args, **kwargs)
+        self._registry = registry or installed_plugins()
+        for spec in reader_parameters(self._registry):
+            self.declare_parameter(spec.name, spec.default, spec)
+        self.autostart = self._value("autostart")
+        self._settings = self._read_settings()
+        self._counts = Counts()
+        self._transport: Transport | None = None
+        self._before = self.counts
+        self._monitor: Timer | None = None
+        self._activated_ns = 0
+        self._health = Health(HealthLevel.OK, "not active")
+        self._prepare(self._settings)
+
+    # What users look at.
+
+    @property
+    def counts(self) -> CountsSnapshot:
+        """What became of the frames so far."""
+        return self._counts.snapshot(self.transport_health.frame_errors)
+
+    @property
+    def transport_health(self) -> TransportHealth:
+        """How the transport is; closed if there is none yet."""
+        return self._transport.health if self._transport else TransportHealth()
+
+    @property
+    def health(self) -> Health:
+        """How the reader is, as last judged; twice a second while active."""
+        return self._health
+
+    @property
+    def settings(self) -> ReaderSettings:
+        """What the parameters amounted to when the node was configured."""
+        return self._settings
+
+    # The lifecycle.
+
+    def on_configure(self, previous_state: State) -> CallbackReturn:
+        """Takes the device, or refuses with the reason."""
+        try:
+            self._settings = settings = self._read_settings()
+            context = TransportContext(self.get_clock(), self.logger)
+            transport = settings.transport.create(settings.transport_values, context)
+            transport.open()
+        except (ConfigurationError, TransportError) as error:
+            self.logger.error(f"cannot configure: {error}")
+            return CallbackReturn.FAILURE
+        self._transport = transport
+        self._prepare(settings)
+        self._create_publishers(settings.topic_namespace)
+        return CallbackReturn.SUCCESS
+
+    def on_activate(self, previous_state: State) -> CallbackReturn:
+        """Starts the reader thread, taking the device again if need be."""
+        assert self._transport is not None
+        self._activated_ns = self.get_clock().monotonic_ns()
+        self._before = self.counts
+        try:
+            self._transport.open()
+            self._transport.start(self._on_frame)
+        except TransportError as error:
+            self._transport.close()
+            self.logger.error(f"cannot activate: {error}")
+            return CallbackReturn.FAILURE
+        self._monitor = self.create_timer(_HEALTH_PERIOD_S, self._watch)
+        return CallbackReturn.SUCCESS
+
+    def on_deactivate(self, previous_state: State) -> CallbackReturn:
+        """Ends the reader thread and gives the device back."""
+        self._stop_reading()
+        return CallbackReturn.SUCCESS
+
+    def on_cleanup(self, previous_state: State) -> CallbackReturn:
+        """Releases everything."""
+        self._release()
+        return CallbackReturn.SUCCESS
+
+    def on_shutdown(self, previous_state: State) -> CallbackReturn:
+        """Releases everything."""
+        self._release()
+        return CallbackReturn.SUCCESS
+
+    def on_error(self, previous_state: State) -> CallbackReturn:
+        """Releases everything: from here it can be configured again."""
+        self._release()
+        return CallbackReturn.SUCCESS
+
+    def release_resources(self) -> None:
+        """Releases everything, for a node that is run without a manager."""
+        self._release()
+
+    def _stop_reading(self) -> None:
+        if self._monitor is not None:
+            self.destroy_timer(self._monitor)
+            self._monitor = None
+        if self._transport is not None:
+            self._transport.close()
+        self._health = Health(HealthLevel.OK, "not active")
+
+    def _release(self) -> None:
+        self._stop_reading()
+        if self._transport is not None:
+            for reason, number in self._transport.health.frame_errors.items():
+                self._counts.by_reason[reason] = self._counts.by_reason.get(reason, 0) + number
+            self._transport = None
+            for publisher in (self._data, self._data_raw, self._mag):
+                self.destroy_publisher(publisher)
+
+    def _create_publishers(self, namespace: str) -> None:
+        self._data = self._publisher(Imu, f"{namespace}/data")
+        self._data_raw = self._publisher(Imu, f"{namespace}/data_raw")
+        self._mag = self._publisher(MagneticField, f"{namespace}/mag")
+
+    def _publisher(self, msg_type: type, topic: str) -> LifecyclePublisher:
+        return self.create_publisher(msg_type, topic, _DEPTH)
+
+    def _read_settings(self) -> ReaderSettings:
+        return read_settings(self._registry, self._value)
+
+    def _value(self, name: str) -> Any:
+        return self.get_parameter(name).value
+
+    # The path of a frame, on the transport's reader thread.
+
+    def _prepare(self, settings: ReaderSettings) -> None:
+        self._read_sample: SampleReader = settings.mapping.compile(
+            device_time=settings.uses_device_time
+        )
+        self._covariances: Mapping[str, Any] = settings.covariances
+        self._uses_device_time = settings.uses_device_time
+        self._plausibility = None if settings.plausibility == "off" else Plausibility()
+        self._refuses_implausible = settings.plausibility == "reject"
+
+    def _on_frame(self, frame: bytes, stamp_ns: int) -> None:
+        sample = self._read_sample(frame)
+        if isinstance(sample, Reject):
+            self._drop(sample, frame)
+            return
+        if self._plausibility is not None and sample.linear_acceleration is not None:
+            self._plausibility.add(sample.linear_acceleration, sample.angular_velocity)
+            if self._refuses_implausible and self._plausibility.finding:
+                self._drop(Reject("implausible", self._plausibility.finding), frame)
+                return
+        if self._publish(sample, stamp_ns):
+            self._counts.published += 1
+        else:
+            self._counts.reject("not_active")
+
+    def _publish(self, sample: Sample, stamp_ns: int) -> bool:
+        if self._uses_device_time:
+            if sample.device_time_ns is None:
+                self._counts.time_unusable += 1
+            else:
+                stamp_ns = sample.device_time_ns
+        header = Header(Time.from_nanoseconds(stamp_ns), self._settings.frame_id)
+        sent = False
+        if sample.angular_velocity or sample.linear_acceleration or sample.orientation:
+            publisher = self._data if sample.orientation else self._data_raw
+            sent = publisher.publish(self._to_imu(sample, header))
+        if sample.magnetic_field:
+            field = Vector3(*sample.magnetic_field)
+            covariance = self._covariances["magnetic_field"]
+            sent = self._mag.publish(MagneticField(header, field, covariance)) or sent
+        return sent
+
+    def _to_imu(self, sample: Sample, header: Header) -> Imu:
+        orientation, angular, linear, _, _ = sample
+        known = self._covariances
+        return Imu(
+            header,
+            Quaternion(*orientation) if orientation else _NO_ORIENTATION,
+            known["orientation"] if orientation else COVARIANCE_NOT_REPORTED,
+            Vector3(*angular) if angular else _NO_VECTOR,
+            known["angular_velocity"] if angular else COVARIANCE_NOT_REPORTED,
+            Vector3(*linear) if linear else _NO_VECTOR,
+            known["linear_acceleration"] if linear else COVARIANCE_NOT_REPORTED,
+        )
+
+    def _drop(self, reject: Reject, frame: bytes) -> None:
+        self._counts.reject(reject.reason)
+        # One line per reason and interval: a noisy line must not become a noisy log.
+        if self.logger.due(f"reject {reject.reason}", _REJECT_LOG_S):
+            shown = frame if len(frame) <= 80 else frame[:80] + b"..."
+            why = reject.detail or REASONS[reject.reason]
+            number = self._counts.by_reason[reject.reason]
+            self.logger.warning(f"dropped {shown!r}: {reject.reason} ({why}); {number} so far")
+
+    # The health, on the main-loop thread.
+
+    def _watch(self) -> None:
+        transport = self.transport_health
+        now = self.counts
+        since_ns = max(self._activated_ns, transport.last_data_ns or 0)
+        health = judge_health(
+            transport,
+            (self.get_clock().monotonic_ns() - since_ns) / 1e9,
+            self._settings.stale_timeout_s,
+            self._before,
+            now,
+            self._plausibility.finding if self._plausibility else "",
+        )
+        self._before = now
+        if health.level is not self._health.level:
+            say = {
+                HealthLevel.OK: self.logger.info,
+                HealthLevel.WARN: self.logger.warning,
+                HealthLevel.ERROR: self.logger.error,
+            }[health.level]
+            say(f"health {health.level.name}: {health.message}")
+        self._health = health

@@ -1,0 +1,77 @@
+"""A simulated IMU: prints what an ideal device on a known motion measures, at a fixed rate."""
+
+import threading
+
+from rosbase.clock import Clock, SystemClock
+from rosbase.errors import TransportError
+from rosbase.imu.motion import motion_at
+from rosbase.messages import Time
+from rosbase.transport import SimulatedDevice
+
+__all__ = ["ImuSimulator", "payload_at"]
+
+_NS_PER_S = 1_000_000_000
+_PATIENCE_S = 1.0
+
+
+def payload_at(t: float, stamp: Time, frame_id: str = "imu_link") -> bytes:
+    """The sample at `t` seconds of the motion, as one line of JSON in the preset `ros`."""
+    sample = motion_at(t)
+    q, w, a = sample.orientation, sample.angular_velocity, sample.linear_acceleration
+    return (
+        f'{{"header":{{"stamp":{{"sec":{stamp.sec},"nanosec":{stamp.nanosec}}},'
+        f'"frame_id":"{frame_id}"}},'
+        f'"orientation":{{"x":{q.x:.8f},"y":{q.y:.8f},"z":{q.z:.8f},"w":{q.w:.8f}}},'
+        f'"angular_velocity":{{"x":{w.x:.6f},"y":{w.y:.6f},"z":{w.z:.6f}}},'
+        f'"linear_acceleration":{{"x":{a.x:.6f},"y":{a.y:.6f},"z":{a.z:.6f}}}}}'
+    ).encode()
+
+
+class ImuSimulator:
+    """Sends samples to a simulated device at absolute deadlines, on a thread of its own.
+
+    None is skipped: after a delay the late ones follow at once, as from a buffer.
+    """
+
+    def __init__(self, device: SimulatedDevice, rate_hz: float, clock: Clock | None = None) -> None:
+        """Prepares to send `rate_hz` samples per second, stamped with the clock's date."""
+        self._device = device
+        self._rate_hz = rate_hz
+        self._clock = clock or SystemClock()
+        self._thread: threading.Thread | None = None
+        # Held until the simulator is to stop, so that waiting for it is a wait for the end.
+        self._stop = threading.Lock()
+        self.sent = 0
+        """Samples sent so far."""
+
+    def start(self) -> None:
+        """Begins to send."""
+        self._stop.acquire()
+        self._thread = threading.Thread(target=self._run, name="imu-simulator", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Sends no more. Harmless when it has stopped, or never started."""
+        if self._thread is None:
+            return
+        self._stop.release()
+        self._thread.join(_PATIENCE_S)
+        if self._thread.is_alive():
+            # It waits for a link that nobody empties any more.
+            self._device.close()
+            self._thread.join()
+        self._thread = None
+
+    def _run(self) -> None:
+        start_ns = self._clock.monotonic_ns()
+        while True:
+            due_s = self.sent / self._rate_hz
+            wait_ns = start_ns + int(due_s * _NS_PER_S) - self._clock.monotonic_ns()
+            if self._clock.wait(self._stop, max(0.0, wait_ns / _NS_PER_S)):
+                self._stop.release()
+                return
+            try:
+                self._device.send(payload_at(due_s, self._clock.now()))
+            except TransportError:
+                return
+            self.sent += 1
