@@ -1,0 +1,142 @@
+"""An open serial port. The only module that touches pyserial and the file descriptor."""
+
+import errno
+import fcntl
+import grp
+import os
+import select
+import termios
+
+import serial
+
+from imu_serial.config import SerialConfig
+from rosbase.errors import (
+    DeviceBusyError,
+    DeviceNotFoundError,
+    DevicePermissionError,
+    NotADeviceError,
+    TransportError,
+)
+
+__all__ = ["Port"]
+
+# More than the kernel keeps for a terminal, so that one read empties it.
+_CHUNK_BYTES = 65_536
+
+
+class Port:
+    """A port that this process has for itself.
+
+    pyserial opens and configures it. Reading goes around pyserial: its `read` and
+    `readline` take bytes one by one or several system calls for each chunk.
+    """
+
+    def __init__(self, config: SerialConfig) -> None:
+        """Opens the port, exclusively.
+
+        Raises:
+            TransportError: Which kind says why; the message is one line.
+        """
+        path = config.device_path
+        if os.path.isdir(path):
+            raise NotADeviceError(f"{path} is a directory, not a serial port")
+        port = serial.Serial()
+        port.port = path
+        port.baudrate = config.baudrate
+        port.timeout = 0
+        port.exclusive = True
+        try:
+            port.open()
+        except (OSError, ValueError, termios.error) as error:
+            raise _explain(path, config.baudrate, error) from error
+        self._serial = port
+        self._path = path
+        self._fd: int = port.fileno()
+        self._poll = select.poll()
+        self._refuse_others()
+
+    def watch(self, wake_fd: int) -> None:
+        """Has `read` return early when `wake_fd` becomes readable."""
+        self._poll = select.poll()
+        self._poll.register(self._fd, select.POLLIN)
+        self._poll.register(wake_fd, select.POLLIN)
+
+    def read(self) -> bytes:
+        """What has arrived; waits for it in the kernel. May be empty after a wake-up.
+
+        Raises:
+            TransportError: The port is gone.
+        """
+        if not any(fd == self._fd for fd, _ in self._poll.poll()):
+            return b""
+        try:
+            data = os.read(self._fd, _CHUNK_BYTES)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            raise self._lost(os.strerror(error.errno or 0)) from error
+        if not data:
+            raise self._lost("end of file")
+        return data
+
+    def discard_input(self) -> None:
+        """Forgets what has arrived and was not read.
+
+        Raises:
+            TransportError: The port is gone.
+        """
+        try:
+            termios.tcflush(self._fd, termios.TCIFLUSH)
+        except (OSError, termios.error) as error:
+            raise self._lost(" ".join(str(part) for part in error.args)) from error
+
+    def close(self) -> None:
+        """Gives the port back. Idempotent."""
+        if self._serial.is_open:
+            try:
+                fcntl.ioctl(self._fd, termios.TIOCNXCL)
+            except OSError:
+                # The device has been unplugged; there is nothing left to give back.
+                pass
+            self._serial.close()
+
+    def _lost(self, why: str) -> TransportError:
+        return TransportError(f"{self._path} was lost: {why}")
+
+    def _refuse_others(self) -> None:
+        # pyserial's lock is advisory; this one also holds against programs that do not ask.
+        try:
+            fcntl.ioctl(self._fd, termios.TIOCEXCL)
+        except OSError:
+            pass
+
+
+def _explain(path: str, baudrate: int, error: Exception) -> TransportError:
+    """The error that says what a user can do about it."""
+    code = getattr(error, "errno", None)
+    if code is None and error.args:
+        code = error.args[0] if isinstance(error.args[0], int) else None
+    match code:
+        case errno.ENOENT | errno.ENODEV | errno.ENXIO:
+            return DeviceNotFoundError(f"{path} is not there; is the device plugged in?")
+        case errno.EACCES | errno.EPERM:
+            return DevicePermissionError(
+                f"{path} may not be opened by this user; it belongs to the group {_group(path)}"
+            )
+        case errno.EAGAIN | errno.EBUSY:
+            return DeviceBusyError(f"{path} is in use by another program")
+        case errno.ENOTDIR | errno.EISDIR | errno.ELOOP:
+            return NotADeviceError(f"{path} is not a serial port")
+    text = " ".join(str(error).split())
+    if "Inappropriate ioctl" in text:
+        return NotADeviceError(f"{path} is not a serial port")
+    if isinstance(error, ValueError):
+        return NotADeviceError(f"{path} does not take {baudrate} baud: {text}")
+    return TransportError(f"{path} cannot be opened: {text}")
+
+
+def _group(path: str) -> str:
+    try:
+        return grp.getgrgid(os.stat(path).st_gid).gr_name
+    except (OSError, KeyError):
+        return "of another user"
