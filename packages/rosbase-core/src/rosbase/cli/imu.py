@@ -1,0 +1,63 @@
+"""`rosbase imu`: runs the reader on a device."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from rosbase.cli.arguments import positive_number, read_parameters
+from rosbase.cli.console import log_to_stderr
+from rosbase.cli.session import ReaderManager
+from rosbase.imu.settings import reader_parameters
+from rosbase.plugins import installed_plugins
+
+__all__ = ["configure", "run"]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments."""
+    parser.add_argument(
+        "-p",
+        dest="assignments",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        help="set a parameter, such as device_path:=/dev/ttyUSB0",
+    )
+    parser.add_argument(
+        "--params-file", type=Path, metavar="FILE", help="set parameters from a TOML file"
+    )
+    parser.add_argument(
+        "--duration", type=positive_number, metavar="S", help="end after so many seconds"
+    )
+    parser.add_argument(
+        "--topic-echo",
+        action="store_true",
+        help="print each sample as one line of JSON; everything else goes to stderr",
+    )
+    parser.add_argument("--backend", help="what carries the topics (default: local)")
+    parser.add_argument(
+        "--list-parameters", action="store_true", help="list the parameters and end"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Runs the reader until it is stopped."""
+    log_to_stderr()
+    specs = reader_parameters(installed_plugins())
+    if arguments.list_parameters:
+        for spec in specs:
+            print(f"{spec.name} := {spec.default!r}  {spec.description}")
+        return 0
+    # Here nobody else would bring the node up.
+    parameters = {"autostart": "activate"} | read_parameters(
+        specs, arguments.assignments, arguments.params_file
+    )
+    manager = ReaderManager(
+        parameters,
+        backend=arguments.backend,
+        echoes=arguments.topic_echo,
+        report_to=sys.stderr if arguments.topic_echo else sys.stdout,
+        duration_s=arguments.duration,
+    )
+    manager.start_main_loop_timer()
+    return 0

@@ -1,0 +1,62 @@
+"""What users are told of a run: the line while it goes on, and the summary at its end."""
+
+from collections.abc import Iterator
+
+from rosbase.cli.monitor import SampleMonitor
+from rosbase.histogram import Histogram
+from rosbase.imu.health import HealthLevel
+from rosbase.imu.reader import ImuReader
+from rosbase.lifecycle import State
+from rosbase.messages import Imu
+
+__all__ = ["status_line", "summary_lines"]
+
+
+def status_line(reader: ImuReader, monitor: SampleMonitor, rate_hz: float) -> str:
+    """The state of the reader, its rate, and its last sample."""
+    state = reader.get_state()
+    if state is not State.ACTIVE:
+        return state.label
+    counts = reader.counts
+    parts = [
+        f"{rate_hz:7.1f} Hz",
+        f"published {counts.published}",
+        f"rejected {counts.rejected}",
+        f"dropped {monitor.dropped}",
+    ]
+    if monitor.last is not None:
+        parts.append(_sample(monitor.last))
+    if reader.health.level is not HealthLevel.OK:
+        parts.insert(0, f"{reader.health.level.name} {reader.health.message}")
+    return "  ".join(parts)
+
+
+def summary_lines(
+    reader: ImuReader, monitor: SampleMonitor, *, measures_latency: bool
+) -> Iterator[str]:
+    """One count per line, the word first."""
+    counts = reader.counts
+    yield f"received {counts.received}"
+    yield f"published {counts.published}"
+    yield f"rejected {counts.rejected}"
+    yield f"ignored {counts.ignored}"
+    for reason, number in sorted(counts.by_reason.items()):
+        yield f"{reason} {number}"
+    if counts.time_unusable:
+        yield f"time_unusable {counts.time_unusable}"
+    yield f"dropped {monitor.dropped}"
+    yield f"reconnects {reader.transport_health.reconnects}"
+    if measures_latency and monitor.latency.count:
+        yield f"latency_p50_ms {_ms(monitor.latency, 50):.3f}"
+        yield f"latency_p99_ms {_ms(monitor.latency, 99):.3f}"
+
+
+def _ms(latency: Histogram, percent: float) -> float:
+    return latency.percentile(percent) / 1e6
+
+
+def _sample(message: Imu) -> str:
+    a, w = message.linear_acceleration, message.angular_velocity
+    return (
+        f"accel {a.x:6.2f} {a.y:6.2f} {a.z:6.2f} m/s^2  gyro {w.x:6.2f} {w.y:6.2f} {w.z:6.2f} rad/s"
+    )

@@ -1,0 +1,136 @@
+"""A run of the reader in a terminal: the manager, what it shows, and when it ends."""
+
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, TextIO, TypeAlias
+
+from rosbase.backend import BackendOptions
+from rosbase.cli.console import LiveLine
+from rosbase.cli.monitor import SampleMonitor
+from rosbase.cli.report import status_line, summary_lines
+from rosbase.connection import open_backend
+from rosbase.handlers import BaseHandlers
+from rosbase.imu.reader import DEFAULT_NODE_NAME, ImuReader
+from rosbase.lifecycle import State
+from rosbase.manager import BaseManager
+from rosbase.parameters import ParameterValue
+
+__all__ = ["ReaderHandlers", "ReaderManager"]
+
+_TICKS_HZ = 20.0
+
+Echo: TypeAlias = Callable[[str], object]
+
+
+class ReaderHandlers(BaseHandlers):
+    """Shows the live line, and ends the run when its time is up."""
+
+    manager: "ReaderManager"
+
+    def __init__(
+        self, manager: Any = None, *args: Any, duration_s: float | None = None, **kwargs: Any
+    ) -> None:
+        """With a duration, the run ends after so many seconds of the main loop."""
+        super().__init__(manager, *args, **kwargs)
+        self._monotonic_ns = manager.backend.clock.monotonic_ns
+        self._duration_s = duration_s
+        self._start_ns: int | None = None
+        self._shown_ns = 0
+        self._published = 0
+
+    def handle(self) -> None:
+        """Called once per tick."""
+        now_ns = self._monotonic_ns()
+        if self._start_ns is None:
+            self._start_ns = self._shown_ns = now_ns
+        if now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9:
+            self._show(now_ns)
+        if self._duration_s is not None and now_ns - self._start_ns >= self._duration_s * 1e9:
+            self.manager.request_stop()
+
+    def _show(self, now_ns: int) -> None:
+        reader, monitor = self.manager.reader, self.manager.monitor
+        published = reader.counts.published
+        rate_hz = (published - self._published) * 1e9 / (now_ns - self._shown_ns)
+        self._published, self._shown_ns = published, now_ns
+        self.manager.live_line.show(status_line(reader, monitor, rate_hz))
+
+
+class ReaderManager(BaseManager):
+    """The reader and a monitor of what it publishes, on any backend."""
+
+    def __init__(
+        self,
+        parameters: Mapping[str, ParameterValue],
+        *,
+        backend: str | None = None,
+        handlers_class: type[ReaderHandlers] = ReaderHandlers,
+        echoes: bool = False,
+        report_to: TextIO | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Builds the run.
+
+        Args:
+            parameters: What the reader's parameters are set to.
+            backend: Its name.
+            handlers_class: What decides when the run ends.
+            echoes: Whether stdout gets every sample, as a line of JSON.
+            report_to: Where the live line and the summary go.
+            kwargs: For the handlers, such as `duration_s`.
+        """
+        self._report_to = report_to or sys.stdout
+        self.live_line = LiveLine(self._report_to)
+        self._has_reader_of_echo = True
+        super().__init__(
+            node_name=DEFAULT_NODE_NAME,
+            nodes_dict={DEFAULT_NODE_NAME: ImuReader, "monitor": SampleMonitor},
+            handlers_class=handlers_class,
+            node_freq_hz=_TICKS_HZ,
+            backend=open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters)),
+            echo=self._print_sample if echoes else None,
+            topic_namespace=parameters.get("topic_namespace", "imu"),
+            **kwargs,
+        )
+
+    @property
+    def reader(self) -> ImuReader:
+        """The reader."""
+        reader: ImuReader = self.nodes[DEFAULT_NODE_NAME]
+        return reader
+
+    @property
+    def monitor(self) -> SampleMonitor:
+        """What listens to it."""
+        monitor: SampleMonitor = self.nodes["monitor"]
+        return monitor
+
+    def release_resources(self) -> None:
+        """Hands over what was published last, and reports."""
+        while self.backend.spin_once(0.0):
+            pass
+        self.live_line.end()
+        for line in self.summary():
+            print(line, file=self._report_to)
+        self._report_to.flush()
+
+    def summary(self) -> list[str]:
+        """The lines at the end of the run."""
+        measures_latency = not self.reader.settings.uses_device_time
+        return list(summary_lines(self.reader, self.monitor, measures_latency=measures_latency))
+
+    @property
+    def is_active(self) -> bool:
+        """Whether the reader is at work."""
+        return self.reader.get_state() is State.ACTIVE
+
+    def _print_sample(self, line: str) -> None:
+        if not self._has_reader_of_echo:
+            return
+        try:
+            sys.stdout.write(f"{line}\n")
+            sys.stdout.flush()
+        except BrokenPipeError:
+            # Whoever read has had enough, as `head` does.
+            self._has_reader_of_echo = False
+            self.request_stop()
