@@ -20,8 +20,8 @@ from rosbase.errors import (
 
 __all__ = ["Port"]
 
-# More than the kernel keeps for a terminal, so that one read empties it.
-_CHUNK_BYTES = 65_536
+# What a read of a terminal gives at most (N_TTY_BUF_SIZE of Linux).
+_CHUNK_BYTES = 4_096
 
 
 class Port:
@@ -53,6 +53,9 @@ class Port:
         self._path = path
         self._fd: int = port.fileno()
         self._poll = select.poll()
+        # Read into one buffer: a new one for each chunk, cut to size, would fragment the heap.
+        self._buffer = bytearray(_CHUNK_BYTES)
+        self._view = memoryview(self._buffer)
         self._refuse_others()
 
     def watch(self, wake_fd: int) -> None:
@@ -67,17 +70,18 @@ class Port:
         Raises:
             TransportError: The port is gone.
         """
-        if not any(fd == self._fd for fd, _ in self._poll.poll()):
+        ready = self._poll.poll()
+        if len(ready) > 1 or ready[0][0] != self._fd:
             return b""
         try:
-            data = os.read(self._fd, _CHUNK_BYTES)
+            size = os.readv(self._fd, [self._buffer])
         except BlockingIOError:
             return b""
         except OSError as error:
             raise self._lost(os.strerror(error.errno or 0)) from error
-        if not data:
+        if not size:
             raise self._lost("end of file")
-        return data
+        return bytes(self._view[:size])
 
     def discard_input(self) -> None:
         """Forgets what has arrived and was not read.

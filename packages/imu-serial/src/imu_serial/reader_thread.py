@@ -17,6 +17,13 @@ __all__ = ["ReaderThread", "Tally"]
 
 _CALLBACK_LOG_S = 5.0
 
+# A fast UART hands over 16 bytes every 50 us, and waking up for each of them would cost a
+# quarter of a core at 3 Mbaud. Where small pieces come in such a hurry, they are left to
+# gather for a moment; up to some 2,000 pieces a second are read as they come.
+_HURRIED_NS = 500_000
+_SMALL_BYTES = 512
+_GATHER_S = 0.001
+
 
 @define
 class Tally:
@@ -110,17 +117,23 @@ class ReaderThread:
         """Reads until the port is lost or the thread is to end."""
         self._framer.reset()
         port.watch(self._wake_read)
+        monotonic_ns = self._context.clock.monotonic_ns
         try:
             port.discard_input()
             while not self._stopping:
+                asked_ns = monotonic_ns()
                 data = port.read()
                 if data:
+                    waited_ns = monotonic_ns() - asked_ns
                     self._take(data)
+                    if waited_ns < _HURRIED_NS and len(data) < _SMALL_BYTES:
+                        self._sleep(_GATHER_S)
         except TransportError as error:
             self._close_port()
             self._say(error)
 
     def _take(self, data: bytes) -> None:
+        """Hands over the frames that the data completes."""
         clock, tally = self._context.clock, self._tally
         stamp_ns = clock.now_ns()
         tally.last_data_ns = clock.monotonic_ns()
@@ -178,4 +191,4 @@ class ReaderThread:
         """Logs why there is no port, once for each reason in a row."""
         if str(error) != self._tally.last_error:
             self._tally.last_error = str(error)
-            self._context.logger.warning(f"{error}; trying again until it is back")
+            self._context.logger.warning(f"{error}; trying again")

@@ -115,7 +115,8 @@ class SerialTransport(Transport):
     def _state(self) -> TransportState:
         if self.is_open:
             return TransportState.CONNECTED
-        if self._reader is not None or self._is_awaited:
+        reader = self._reader
+        if self._is_awaited or (reader is not None and not reader.is_stopping):
             return TransportState.RECONNECTING
         return TransportState.CLOSED
 

@@ -3,7 +3,6 @@
 import os
 
 from rosbase.backend import Backend, BackendOptions
-from rosbase.plugins import installed_plugins
 
 __all__ = ["BACKEND_VARIABLE", "DEFAULT_BACKEND", "open_backend"]
 
@@ -21,5 +20,8 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     """
     if isinstance(backend, Backend):
         return backend
+    # Only now: finding plugins takes longer than everything else that `import rosbase` does.
+    from rosbase.plugins import installed_plugins
+
     name = backend or os.environ.get(BACKEND_VARIABLE) or DEFAULT_BACKEND
     return installed_plugins().backend(name).create(options)

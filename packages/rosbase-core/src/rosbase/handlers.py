@@ -13,7 +13,8 @@ class BaseHandlers:
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Attaches to the manager; ignores whatever else is forwarded."""
-        self.manager = manager
+        # Any: programs reach for what their own manager class adds.
+        self.manager: Any = manager
         self.logger = manager.logger if manager is not None else RosbaseLogger(type(self).__name__)
         self._own_state: str | None = None
 

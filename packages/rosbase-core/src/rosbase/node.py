@@ -44,7 +44,8 @@ class BaseNode:
             custom_logger: A class that a lone node calls with its name for its logger.
             kwargs: Whatever the manager forwards; ignored here.
         """
-        self.manager = manager
+        # Any: programs reach for what their own manager class adds.
+        self.manager: Any = manager
         self._stop_requested = False
         if manager is not None:
             self._backend = manager.backend

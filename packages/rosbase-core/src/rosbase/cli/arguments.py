@@ -8,10 +8,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+from attrs import frozen
+
 from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse_text
 
-__all__ = ["OneLineParser", "positive_number", "read_parameters"]
+__all__ = ["Given", "OneLineParser", "check_given", "positive_number", "read_given"]
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -33,25 +35,43 @@ def positive_number(text: str) -> float:
     return number
 
 
-def read_parameters(
-    specs: Iterable[ParameterSpec], assignments: Iterable[str], file: Path | None
-) -> dict[str, ParameterValue]:
-    """The values from a TOML file and from `name:=value` assignments, which win.
+@frozen
+class Given:
+    """A value as a user gave it, not yet checked."""
+
+    value: Any
+    is_text: bool
+    """Whether it was typed after `:=`, and so has to be read first."""
+
+
+def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, Given]:
+    """What a TOML file and `name:=value` assignments say, by name; assignments win.
 
     Raises:
-        ConfigurationError: The file cannot be read, a name is unknown, or a value is not
-            one of its parameter.
+        ConfigurationError: The file cannot be read, or an assignment is not one.
     """
-    known = {spec.name: spec for spec in specs}
-    values: dict[str, ParameterValue] = {}
-    for name, value in _read_file(file).items():
-        values[name] = check_value(_spec(known, name), value)
+    given = {name: Given(value, is_text=False) for name, value in _read_file(file).items()}
     for assignment in assignments:
         name, separator, text = assignment.partition(":=")
         if not separator:
             raise ParameterError(f"-p takes name:=value, not {assignment!r}")
-        values[name.strip()] = parse_text(_spec(known, name.strip()), text)
-    return values
+        given[name.strip()] = Given(text, is_text=True)
+    return given
+
+
+def check_given(
+    specs: Iterable[ParameterSpec], given: Mapping[str, Given]
+) -> dict[str, ParameterValue]:
+    """The values of the parameters that were given.
+
+    Raises:
+        ParameterError: A name is unknown, or a value is not one of its parameter.
+    """
+    known = {spec.name: spec for spec in specs}
+    return {
+        name: (parse_text if item.is_text else check_value)(_spec(known, name), item.value)
+        for name, item in given.items()
+    }
 
 
 def _spec(known: Mapping[str, ParameterSpec], name: str) -> ParameterSpec:

@@ -4,10 +4,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from rosbase.cli.arguments import positive_number, read_parameters
+from rosbase.cli.arguments import check_given, positive_number, read_given
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.session import ReaderManager
-from rosbase.imu.settings import reader_parameters
+from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
 from rosbase.plugins import installed_plugins
 
 __all__ = ["configure", "run"]
@@ -43,15 +43,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Runs the reader until it is stopped."""
     log_to_stderr()
-    specs = reader_parameters(installed_plugins())
+    registry = installed_plugins()
+    specs = reader_parameters(registry)
     if arguments.list_parameters:
         for spec in specs:
             print(f"{spec.name} := {spec.default!r}  {spec.description}")
         return 0
+    given = read_given(arguments.assignments, arguments.params_file)
+    # First, because a transport that is not installed leaves its parameters unknown.
+    registry.transport(str(given["comm_t"].value) if "comm_t" in given else DEFAULT_TRANSPORT)
     # Here nobody else would bring the node up.
-    parameters = {"autostart": "activate"} | read_parameters(
-        specs, arguments.assignments, arguments.params_file
-    )
+    parameters = {"autostart": "activate"} | check_given(specs, given)
     manager = ReaderManager(
         parameters,
         backend=arguments.backend,

@@ -46,13 +46,14 @@ class Counts:
         self.time_unusable = 0
         self.by_reason: dict[str, int] = {}
 
-    def reject(self, reason: str) -> None:
-        """Counts a frame that does not go out."""
-        self.by_reason[reason] = self.by_reason.get(reason, 0) + 1
+    def add(self, reason: str, number: int = 1) -> None:
+        """Counts frames that do not go out."""
+        self.by_reason[reason] = self.by_reason.get(reason, 0) + number
 
     def snapshot(self, frame_errors: Mapping[str, int]) -> CountsSnapshot:
         """The counts now, together with what the transport could not frame."""
-        by_reason = dict(self.by_reason)
+        total = Counts()
+        total.by_reason = dict(self.by_reason)
         for reason, number in frame_errors.items():
-            by_reason[reason] = by_reason.get(reason, 0) + number
-        return CountsSnapshot(self.published, by_reason, self.time_unusable)
+            total.add(reason, number)
+        return CountsSnapshot(self.published, total.by_reason, self.time_unusable)

@@ -63,6 +63,7 @@ class ImuReader(LifecycleNode):
         self._settings = self._read_settings()
         self._counts = Counts()
         self._transport: Transport | None = None
+        self._publishers: list[LifecyclePublisher] = []
         self._before = self.counts
         self._monitor: Timer | None = None
         self._activated_ns = 0
@@ -78,7 +79,7 @@ class ImuReader(LifecycleNode):
 
     @property
     def transport_health(self) -> TransportHealth:
-        """How the transport is; closed if there is none yet."""
+        """How the transport is, or was when it was closed."""
         return self._transport.health if self._transport else TransportHealth()
 
     @property
@@ -103,7 +104,7 @@ class ImuReader(LifecycleNode):
         except (ConfigurationError, TransportError) as error:
             self.logger.error(f"cannot configure: {error}")
             return CallbackReturn.FAILURE
-        self._transport = transport
+        self._replace_transport(transport)
         self._prepare(settings)
         self._create_publishers(settings.topic_namespace)
         return CallbackReturn.SUCCESS
@@ -157,12 +158,15 @@ class ImuReader(LifecycleNode):
 
     def _release(self) -> None:
         self._stop_reading()
-        if self._transport is not None:
-            for reason, number in self._transport.health.frame_errors.items():
-                self._counts.by_reason[reason] = self._counts.by_reason.get(reason, 0) + number
-            self._transport = None
-            for publisher in (self._data, self._data_raw, self._mag):
-                self.destroy_publisher(publisher)
+        for publisher in self._publishers:
+            self.destroy_publisher(publisher)
+        self._publishers.clear()
+
+    def _replace_transport(self, transport: Transport) -> None:
+        """Takes the new transport; what the one before it has counted is kept."""
+        for reason, number in self.transport_health.frame_errors.items():
+            self._counts.add(reason, number)
+        self._transport = transport
 
     def _create_publishers(self, namespace: str) -> None:
         self._data = self._publisher(Imu, f"{namespace}/data")
@@ -170,7 +174,9 @@ class ImuReader(LifecycleNode):
         self._mag = self._publisher(MagneticField, f"{namespace}/mag")
 
     def _publisher(self, msg_type: type, topic: str) -> LifecyclePublisher:
-        return self.create_publisher(msg_type, topic, _DEPTH)
+        publisher = self.create_publisher(msg_type, topic, _DEPTH)
+        self._publishers.append(publisher)
+        return publisher
 
     def _read_settings(self) -> ReaderSettings:
         return read_settings(self._registry, self._value)
@@ -202,7 +208,7 @@ class ImuReader(LifecycleNode):
         if self._publish(sample, stamp_ns):
             self._counts.published += 1
         else:
-            self._counts.reject("not_active")
+            self._counts.add("not_active")
 
     def _publish(self, sample: Sample, stamp_ns: int) -> bool:
         if self._uses_device_time:
@@ -235,7 +241,7 @@ class ImuReader(LifecycleNode):
         )
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
-        self._counts.reject(reject.reason)
+        self._counts.add(reject.reason)
         # One line per reason and interval: a noisy line must not become a noisy log.
         if self.logger.due(f"reject {reject.reason}", _REJECT_LOG_S):
             shown = frame if len(frame) <= 80 else frame[:80] + b"..."

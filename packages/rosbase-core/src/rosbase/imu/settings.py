@@ -13,7 +13,16 @@ from rosbase.messages import Covariance
 from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue
 from rosbase.plugins import PluginRegistry, TransportPlugin
 
-__all__ = ["READER_PARAMETERS", "ReaderSettings", "reader_parameters", "read_settings"]
+__all__ = [
+    "DEFAULT_TRANSPORT",
+    "READER_PARAMETERS",
+    "ReaderSettings",
+    "read_settings",
+    "reader_parameters",
+]
+
+DEFAULT_TRANSPORT = "serial"
+"""What `comm_t` is where nothing else is said."""
 
 _MAPPING = "mapping."
 
@@ -61,7 +70,7 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
 
 
 READER_PARAMETERS: tuple[ParameterSpec, ...] = (
-    _text("comm_t", "serial", "the transport, by name"),
+    _text("comm_t", DEFAULT_TRANSPORT, "the transport, by name"),
     _text("preset", DEFAULT_PRESET, "the payload of a known device, by name"),
     _text("frame_id", "imu_link", "the name of the sensor's frame"),
     _text("topic_namespace", "imu", "what the topics data, data_raw and mag stand under"),
