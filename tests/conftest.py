@@ -1,0 +1,58 @@
+"""What every test must leave as it found it: threads, descriptors, child processes."""
+
+import logging
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+# Machines that run tests are busy; the time limit of the test run is the one that counts.
+settings.register_profile("rosbase", deadline=None)
+settings.load_profile("rosbase")
+
+_FDS = Path("/proc/self/fd")
+_CHILDREN = Path("/proc/self/task")
+
+
+@pytest.fixture(autouse=True)
+def nothing_leaks() -> Iterator[None]:
+    """Fails a test that leaves a thread, a descriptor or a child process behind."""
+    threads, fds = set(threading.enumerate()), _open_descriptors()
+    yield
+    for thread in set(threading.enumerate()) - threads:
+        thread.join(2.0)
+        assert not thread.is_alive(), f"leaked thread {thread.name}"
+    leaked = {fd: name for fd, name in _open_descriptors().items() if fds.get(fd) != name}
+    assert not leaked, f"leaked descriptors: {leaked}"
+    assert not _children(), f"leaked child processes: {_children()}"
+
+
+@pytest.fixture(autouse=True)
+def own_surroundings(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Keeps the user's environment and the last test's logging out of a test."""
+    for name in [name for name in os.environ if name.startswith("ROSBASE_")]:
+        monkeypatch.delenv(name)
+    logger = logging.getLogger("rosbase")
+    before = logger.handlers[:], logger.level, logger.propagate
+    yield
+    logger.handlers[:], logger.level, logger.propagate = before
+
+
+def _open_descriptors() -> dict[str, str]:
+    """Where each descriptor leads to; none where the system does not tell."""
+    found = {}
+    for link in _FDS.iterdir() if _FDS.exists() else ():
+        try:
+            found[link.name] = os.readlink(link)
+        except OSError:
+            # The descriptor of this very listing.
+            continue
+    return found
+
+
+def _children() -> list[str]:
+    lists = _CHILDREN.glob("*/children") if _CHILDREN.exists() else ()
+    return [child for listed in lists for child in listed.read_text().split()]

@@ -1,0 +1,180 @@
+"""The command line with nothing but the core installed."""
+
+import logging
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rosbase.cli import main
+from rosbase.cli.arguments import check_given, read_given
+from rosbase.errors import ConfigurationError
+from rosbase.imu.settings import READER_PARAMETERS
+from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, install_plugin
+
+
+def complaint(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """The one line that a refused command line ends with."""
+    status: object
+    try:
+        status = main(arguments)
+    except SystemExit as end:
+        status = end.code
+    shown = capsys.readouterr()
+    assert (status, shown.out) == (2, "")
+    assert shown.err.count("\n") == 1
+    return shown.err.strip()
+
+
+def run(*arguments: str, path: Path | None = None) -> subprocess.CompletedProcess[str]:
+    code = "import sys; from rosbase.cli import main; sys.exit(main())"
+    environment = {"PATH": "", "PYTHONPATH": str(path or ""), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        env=environment,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["imu", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
+        (["imu", "-p", "comm_t:=carrier_pigeon"], "no transport 'carrier_pigeon'; installed:"),
+        (["imu", "-p", "server_address:=x", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
+        (["imu", "-p", "comm_t:=[]"], "no transport '[]'"),
+        (["imu", "-p", "frameid:=x", "-p", "comm_t:=none"], "no transport 'none'"),
+        (["imu", "-p", "frame_id=x"], "-p takes name:=value, not 'frame_id=x'"),
+        (["imu", "-p", "device_path:=x", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
+        (["imu", "--params-file", "/no/such.toml"], "/no/such.toml: No such file"),
+        (["imu", "--params-file", "/"], "/: Is a directory"),
+        (["imu", "--duration", "forever"], "'forever' is not a positive number"),
+        (["imu", "--duration", "-1"], "'-1' is not a positive number"),
+        (["imu", "--frobnicate"], "unrecognized arguments: --frobnicate"),
+        (["demo", "--rate", "nan"], "'nan' is not a positive number"),
+        (["demo", "--transport", "mqtt"], "pip install imu-mqtt"),
+        (["fly"], "invalid choice: 'fly'"),
+        ([], "say what to do: demo, imu, plugins"),
+    ],
+)
+def test_what_a_user_can_mend_is_one_line_and_status_2(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], line: str
+) -> None:
+    assert line in complaint(capsys, *arguments)
+
+
+def test_parameters_come_from_a_file_and_the_command_line_wins(tmp_path: Path) -> None:
+    file = tmp_path / "imu.toml"
+    file.write_text(
+        'frame_id = "left"\nstale_timeout = 2\norientation_stddev = 0.1\n'
+        '[mapping.angular_velocity]\npaths = ["gx", "gy", "gz"]\nunit = "deg/s"\n'
+    )
+    assert check_given(READER_PARAMETERS, read_given(["frame_id:=right"], file)) == {
+        "frame_id": "right",
+        "stale_timeout": 2.0,
+        "orientation_stddev": [0.1],
+        "mapping.angular_velocity.paths": ["gx", "gy", "gz"],
+        "mapping.angular_velocity.unit": "deg/s",
+    }
+
+
+@pytest.mark.parametrize(
+    ("assignment", "line"),
+    [
+        ("frameid:=x", "unknown parameter 'frameid'; did you mean frame_id?"),
+        ("stale_timeout:=soon", "stale_timeout takes a number, not 'soon'"),
+        ("autostart:=yes", "autostart is one of none, configure, activate, not 'yes'"),
+    ],
+)
+def test_a_bad_assignment_is_one_line(assignment: str, line: str) -> None:
+    with pytest.raises(ConfigurationError, match=re.escape(line)):
+        check_given(READER_PARAMETERS, read_given([assignment], None))
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("frame_id = ", "Invalid value"),
+        ("frame_idd = 'x'", "unknown parameter 'frame_idd'"),
+        ("[mapping.gyro]\nunit = 'x'", "unknown parameter 'mapping.gyro.unit'"),
+        ("frame_id = 2020-01-01", "frame_id takes text"),
+    ],
+)
+def test_a_bad_parameter_file_is_one_line(tmp_path: Path, text: str, line: str) -> None:
+    file = tmp_path / "imu.toml"
+    file.write_text(text)
+    with pytest.raises(ConfigurationError, match=line) as caught:
+        check_given(READER_PARAMETERS, read_given([], file))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_parameter_file_that_is_not_text_is_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "imu.toml"
+    file.write_bytes(b"\xff\xfe")
+    with pytest.raises(ConfigurationError, match=r"imu\.toml: "):
+        check_given(READER_PARAMETERS, read_given([], file))
+
+
+def test_plugins_lists_what_each_brings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plugins"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("local") and "backend: local" in line for line in lines)
+    assert all(" active " in line for line in lines)
+
+
+def test_broken_plugins_are_listed_with_the_reason_and_the_rest_works(tmp_path: Path) -> None:
+    for fault, (code, _) in BROKEN_PLUGINS.items():
+        install_plugin(tmp_path, f"broken-{fault.replace('_', '-')}", fault, code)
+    for owner in ("first", "second"):
+        install_plugin(tmp_path, owner, "radio", TRANSPORT_PLUGIN.format(name="radio"))
+    listed = run("plugins", path=tmp_path)
+    assert (listed.returncode, listed.stderr) == (0, "")
+    lines = {line.split()[0]: line for line in listed.stdout.splitlines()}
+    for fault, (_, reason) in BROKEN_PLUGINS.items():
+        assert " failed " in lines[fault]
+        assert reason in lines[fault]
+    assert listed.stdout.count("transport 'radio' is claimed by first:radio and second:radio") == 2
+    assert " active " in lines["local"]
+
+
+LIGHT = """
+import sys
+{code}
+heavy = {{"serial", "paho", "rclpy", "ssl", "http", "asyncio", "multiprocessing", {more}}}
+print(sorted(heavy & set(sys.modules)))
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "more"),
+    [
+        ("import rosbase", "'socket', 'pluggy', 'importlib.metadata'"),
+        # Here the standard library's importlib.metadata brings `socket` in, by way of `email`.
+        ("from rosbase.cli import main; main(['plugins'])", "'json'"),
+    ],
+)
+def test_importing_rosbase_and_listing_plugins_stay_light(code: str, more: str) -> None:
+    shown = subprocess.run(
+        [sys.executable, "-c", LIGHT.format(code=code, more=more)],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=True,
+    )
+    assert shown.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == "rosbase-core 0.1.0\n"
+
+
+def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["imu", "--list-parameters"]) == 0
+    assert "frame_id := 'imu_link'" in capsys.readouterr().out
+    assert logging.getLogger("rosbase").handlers

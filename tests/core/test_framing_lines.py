@@ -1,0 +1,102 @@
+import tracemalloc
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase.framing import Frame, FrameError, LineFramer
+from support.strategies import chunkings
+
+# Mostly what matters to a line framer.
+streams = st.lists(
+    st.sampled_from([b"\r", b"\n", b"\r\n", b"\x00", b" ", b"\t", b"a", b"{}", b"x" * 9])
+    | st.binary(max_size=6),
+    max_size=40,
+).map(b"".join)
+
+
+def outcome(chunks: list[bytes], limit: int) -> list[object]:
+    framer = LineFramer(limit)
+    events = [event for chunk in chunks for event in framer.feed(chunk, 0)]
+    return [event.data if isinstance(event, Frame) else event.reason for event in events]
+
+
+@given(st.data(), streams, st.integers(1, 12))
+def test_every_chunking_gives_the_same_frames(data: st.DataObject, s: bytes, limit: int) -> None:
+    assert outcome(data.draw(chunkings(s)), limit) == outcome([s], limit)
+
+
+@given(st.data(), st.lists(st.binary(max_size=8), max_size=10))
+def test_junk_costs_only_the_line_it_touches(data: st.DataObject, junk: list[bytes]) -> None:
+    good = [b'{"number":%d}' % number for number in range(len(junk))]
+    stream = b"".join(noise + b"\n" + line + b"\n" for noise, line in zip(junk, good, strict=True))
+    frames = outcome(data.draw(chunkings(stream)), 64)
+    assert [frame for frame in frames if frame in good] == good
+
+
+@given(streams, st.integers(1, 12))
+def test_frames_are_never_longer_than_the_limit_nor_empty(stream: bytes, limit: int) -> None:
+    for event in LineFramer(limit).feed(stream, 0):
+        if isinstance(event, Frame):
+            assert 0 < len(event.data) <= limit
+            assert not set(event.data) & set(b"\r\n")
+
+
+@pytest.mark.parametrize("ending", [b"\n", b"\r\n", b"\r", b"\n\r\n\n"])
+def test_every_line_ending_ends_a_line(ending: bytes) -> None:
+    assert outcome([b"one" + ending + b"two" + ending], 64) == [b"one", b"two"]
+
+
+def test_padding_around_a_line_is_not_part_of_it() -> None:
+    assert outcome([b"\x00\x00 {} \t\x00\n \x00\n"], 64) == [b"{}"]
+
+
+def test_an_overlong_line_is_one_error_and_the_next_line_comes_through() -> None:
+    chunks = [b"x" * 40, b"x" * 40, b"x\n", b"{}\n"]
+    assert outcome(chunks, 64) == ["overlong", b"{}"]
+
+
+def test_the_stamp_is_that_of_the_first_byte() -> None:
+    framer = LineFramer()
+    assert framer.feed(b'{"a"', 100) == []
+    assert framer.feed(b':1}\n{"b":2}\n{"c"', 200) == [
+        Frame(b'{"a":1}', 100),
+        Frame(b'{"b":2}', 200),
+    ]
+    assert framer.feed(b":3}\n", 300) == [Frame(b'{"c":3}', 200)]
+
+
+def test_padding_before_a_line_does_not_count_as_its_first_byte() -> None:
+    framer = LineFramer()
+    framer.feed(b"\n\x00\x00", 100)
+    assert framer.feed(b"{}\n", 200) == [Frame(b"{}", 200)]
+
+
+def test_the_error_is_stamped_when_the_lost_line_began() -> None:
+    framer = LineFramer(4)
+    framer.feed(b"xx", 100)
+    assert framer.feed(b"xxxxx\n", 200) == [FrameError("overlong", 100)]
+
+
+def test_reset_forgets_a_begun_line() -> None:
+    framer = LineFramer()
+    framer.feed(b'{"lost', 0)
+    framer.reset()
+    assert framer.feed(b"{}\n", 0) == [Frame(b"{}", 0)]
+
+
+def test_memory_stays_bounded_without_any_newline() -> None:
+    framer = LineFramer(1000)
+    tracemalloc.start()
+    try:
+        for _ in range(2000):
+            framer.feed(b"x" * 1000, 0)
+        current, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert current < 20_000
+
+
+def test_a_limit_below_one_byte_is_refused() -> None:
+    with pytest.raises(ValueError, match="max_line_bytes"):
+        LineFramer(0)

@@ -1,0 +1,30 @@
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase.messages import COVARIANCE_NOT_REPORTED, Imu, MagneticField, Quaternion, Time
+
+
+@given(st.integers(-(10**18), 10**19))
+def test_time_keeps_every_nanosecond(nanoseconds: int) -> None:
+    time = Time.from_nanoseconds(nanoseconds)
+    assert time.nanoseconds == nanoseconds
+    assert 0 <= time.nanosec < 10**9
+
+
+def test_defaults_are_those_of_ros() -> None:
+    assert Imu().orientation == Quaternion(0.0, 0.0, 0.0, 1.0)
+    assert Imu().angular_velocity_covariance == (0.0,) * 9
+    assert COVARIANCE_NOT_REPORTED[0] == -1.0
+
+
+@pytest.mark.parametrize("message", [Imu(), MagneticField()])
+def test_messages_cannot_be_changed_by_a_subscriber(message: object) -> None:
+    with pytest.raises(attrs.exceptions.FrozenInstanceError):
+        message.header = None  # type: ignore[attr-defined]
+
+
+def test_a_covariance_has_nine_elements() -> None:
+    with pytest.raises(ValueError, match="9 numbers"):
+        Imu(orientation_covariance=(1.0, 2.0))  # type: ignore[arg-type]

@@ -1,0 +1,110 @@
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rosbase.errors import NotInstalledError
+from rosbase.plugins import PluginRegistry, installed_plugins
+from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, entry_points_in, install_plugin
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder that stands for site-packages."""
+    monkeypatch.syspath_prepend(tmp_path)
+    before = set(sys.modules)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def load(site: Path) -> PluginRegistry:
+    return PluginRegistry(entry_points_in(site))
+
+
+@pytest.mark.parametrize("fault", BROKEN_PLUGINS)
+def test_a_broken_plugin_is_recorded_and_the_others_work(site: Path, fault: str) -> None:
+    code, reason = BROKEN_PLUGINS[fault]
+    install_plugin(site, "a-good", "udp", TRANSPORT_PLUGIN.format(name="udp"))
+    install_plugin(site, "b-broken", fault, code)
+    install_plugin(site, "c-good", "can", TRANSPORT_PLUGIN.format(name="can"))
+    registry = load(site)
+    assert set(registry.transports) == {"udp", "can"}
+    (broken,) = [record for record in registry.plugins if record.failure]
+    assert (broken.distribution, broken.version, broken.descriptors) == ("b-broken", "1.2", ())
+    assert reason in broken.failure
+    assert "\n" not in broken.failure
+
+
+def test_all_kinds_of_broken_plugins_together_harm_nobody(site: Path) -> None:
+    for fault, (code, _) in BROKEN_PLUGINS.items():
+        install_plugin(site, f"broken-{fault.replace('_', '-')}", fault, code)
+    install_plugin(site, "z-good", "can", TRANSPORT_PLUGIN.format(name="can"))
+    registry = load(site)
+    assert set(registry.transports) == {"can"}
+    assert len([r for r in registry.plugins if r.failure]) == len(BROKEN_PLUGINS)
+
+
+def test_a_name_claimed_by_two_is_refused_with_both_names(site: Path) -> None:
+    install_plugin(site, "a-radio", "radio", TRANSPORT_PLUGIN.format(name="radio"))
+    install_plugin(site, "b-radio", "radio", TRANSPORT_PLUGIN.format(name="radio"))
+    registry = load(site)
+    for record in registry.plugins:
+        assert record.failure == "transport 'radio' is claimed by a-radio:radio and b-radio:radio"
+    with pytest.raises(NotInstalledError, match="claimed by a-radio:radio and b-radio:radio"):
+        registry.transport("radio")
+
+
+def test_a_name_of_this_project_stays_with_its_package(site: Path) -> None:
+    install_plugin(site, "a-usurper", "x", TRANSPORT_PLUGIN.format(name="serial"))
+    install_plugin(site, "imu-serial", "serial", TRANSPORT_PLUGIN.format(name="serial"))
+    registry = load(site)
+    usurper, owner = registry.plugins
+    assert "a-usurper:x and imu-serial:serial" in usurper.failure
+    assert not owner.failure
+    assert set(registry.transports) == {"serial"}
+
+
+def test_a_name_of_this_project_cannot_be_taken_in_its_absence(site: Path) -> None:
+    install_plugin(site, "a-usurper", "x", TRANSPORT_PLUGIN.format(name="mqtt"))
+    assert load(site).plugins[0].failure == "transport 'mqtt' is reserved for imu-mqtt"
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "line"),
+    [
+        ("transport", "mqtt", "transport 'mqtt' needs the package imu-mqtt: pip install imu-mqtt"),
+        (
+            "transport",
+            "serial",
+            "transport 'serial' needs the package imu-serial: pip install imu-serial",
+        ),
+        (
+            "backend",
+            "ros2",
+            "backend 'ros2' needs the package rosbase-ros2: pip install rosbase-ros2",
+        ),
+        ("transport", "cam", "no transport 'cam'; installed: can; did you mean 'can'?"),
+        ("preset", "x", "no preset 'x'; installed: none"),
+    ],
+)
+def test_what_is_not_installed_is_explained(site: Path, kind: str, name: str, line: str) -> None:
+    install_plugin(site, "a-good", "can", TRANSPORT_PLUGIN.format(name="can"))
+    with pytest.raises(NotInstalledError) as caught:
+        getattr(load(site), kind)(name)
+    assert str(caught.value) == line
+
+
+def test_a_package_that_is_there_but_broken_is_not_said_to_be_missing(site: Path) -> None:
+    install_plugin(site, "imu-serial", "serial", "import no_such_library")
+    with pytest.raises(NotInstalledError, match=r"imu-serial:serial failed: ModuleNotFoundError"):
+        load(site).transport("serial")
+
+
+def test_the_core_brings_its_backend_presets_and_commands() -> None:
+    registry = installed_plugins()
+    assert registry.backend("local").name == "local"
+    assert {"ros", "waveshare_ugv", "mpu6050", "custom"} <= set(registry.presets)
+    assert {"imu", "demo", "plugins"} <= set(registry.commands)

@@ -1,0 +1,59 @@
+"""Hypothesis strategies: their one home."""
+
+import json
+from itertools import pairwise
+
+from hypothesis import strategies as st
+
+from rosbase.lifecycle import TRANSITIONS, CallbackReturn
+
+answers = st.sampled_from(CallbackReturn)
+
+labels = st.sampled_from(sorted({t.label for t in TRANSITIONS})) | st.text(max_size=12)
+
+transition_ids = st.integers(-5, 110)
+
+# Everything that Python's json can decode to, NaN and huge numbers included.
+json_values = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.sampled_from([10**400, -(10**400), 2**53 + 1])
+    | st.floats()
+    | st.text(max_size=8)
+    | st.sampled_from(["1.5", "-0", "1e999", "nan", "1_0", "N/A"]),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=4), inner),
+    max_leaves=12,
+)
+
+numbers = st.floats(-1e6, 1e6) | st.integers(-1000, 1000)
+
+
+def vectors(values: st.SearchStrategy[object], axes: str = "xyz") -> st.SearchStrategy[object]:
+    """Objects with some or all of the axes, or something else altogether."""
+    whole = st.fixed_dictionaries(dict.fromkeys(axes, values))
+    partial = st.dictionaries(st.sampled_from([*axes, "other"]), values)
+    return whole | partial | json_values
+
+
+# Payloads of the default shape, good and bad, that look like what a device might send.
+payloads = st.fixed_dictionaries(
+    {},
+    optional={
+        "orientation": vectors(numbers | json_values, "xyzw"),
+        "angular_velocity": vectors(numbers | json_values),
+        "linear_acceleration": vectors(numbers | json_values),
+        "header": json_values,
+        "extra": json_values,
+    },
+)
+
+frames = st.binary(max_size=200) | (payloads | json_values).map(lambda p: json.dumps(p).encode())
+
+
+@st.composite
+def chunkings(draw: st.DrawFn, data: bytes) -> list[bytes]:
+    """The same bytes, cut anywhere."""
+    cuts = draw(st.lists(st.integers(0, len(data)), max_size=20))
+    edges = [0, *sorted(cuts), len(data)]
+    return [data[start:end] for start, end in pairwise(edges)]
