@@ -1,0 +1,207 @@
+"""`rosbase imu` as a process, on a real line that another program writes to."""
+
+import json
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from support.command import ROSBASE, RunningRosbase, run_rosbase, summary_of
+from support.samples import FAULTS, GOOD_FRAME, frame
+from support.serial_port import PluggablePort
+from support.waiting import wait_until
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Iterator[PluggablePort]:
+    port = PluggablePort(tmp_path)
+    yield port
+    port.unplug()
+
+
+def echoing(port: PluggablePort, *more: str) -> RunningRosbase:
+    """A reader on the port that prints what it publishes, once it does."""
+    port.plug()
+    reader = RunningRosbase("imu", "-p", f"device_path:={port.path}", "--topic-echo", *more)
+
+    def is_reading() -> bool:
+        port.write(GOOD_FRAME + b"\n")
+        return bool(reader.out.lines)
+
+    wait_until(is_reading, "the first sample")
+    return reader
+
+
+def says_more(reader: RunningRosbase, part: str, before: dict[str, int]) -> None:
+    """Waits until it has said that more often than before."""
+    wait_until(lambda: reader.err.count(part) > before[part], f"{part!r} to be said")
+
+
+def next_sample(reader: RunningRosbase, port: PluggablePort, mark: float) -> None:
+    """Sends a sample with a mark in it, and waits for that sample."""
+    port.write(frame(angular_velocity={"x": mark, "y": 0.0, "z": 0.0}) + b"\r\n")
+    reader.waits_for(f'"angular_velocity":{{"x":{mark},', where=reader.out)
+
+
+def test_each_bad_line_is_dropped_and_counted_and_the_next_good_line_comes_through(
+    port: PluggablePort,
+) -> None:
+    expected: dict[str, int] = {}
+    with echoing(port) as reader:
+        for number, (line, reason) in enumerate(FAULTS.values(), start=1):
+            expected[reason] = expected.get(reason, 0) + 1
+            port.write(line + b"\n")
+            next_sample(reader, port, number + 0.5)
+        port.write(b"x" * 70_000 + b"\n")
+        next_sample(reader, port, 1000.5)
+        assert reader.end(signal.SIGINT) == 0
+    counts = summary_of(reader.err.lines)
+    assert {reason: counts[reason] for reason in expected} == expected
+    assert counts["overlong"] == 1
+    assert counts["published"] == len(reader.out.lines)
+    assert counts["received"] == counts["published"] + counts["rejected"] + counts["ignored"]
+    assert "Traceback" not in reader.err
+
+
+def test_each_published_sample_is_one_line_of_json_in_the_default_shape(
+    port: PluggablePort,
+) -> None:
+    with echoing(port) as reader:
+        next_sample(reader, port, 0.25)
+        reader.end(signal.SIGTERM)
+    for line in reader.out.lines:
+        sample = json.loads(line)
+        assert list(sample) == [
+            "header",
+            "orientation",
+            "orientation_covariance",
+            "angular_velocity",
+            "angular_velocity_covariance",
+            "linear_acceleration",
+            "linear_acceleration_covariance",
+        ]
+        assert sample["linear_acceleration"]["z"] == 9.80665
+        assert sample["header"]["frame_id"] == "imu_link"
+
+
+def test_what_it_prints_can_be_read_by_another_reader(port: PluggablePort, tmp_path: Path) -> None:
+    with echoing(port) as first:
+        next_sample(first, port, 0.25)
+        first.end(signal.SIGTERM)
+    (tmp_path / "second").mkdir()
+    second_port = PluggablePort(tmp_path / "second")
+    with echoing(second_port, "-p", "time_source:=device") as second:
+        second_port.write(first.out.lines[-1].encode() + b"\n")
+        wait_until(lambda: second.out.lines[-1] == first.out.lines[-1], "the same sample")
+        second.end(signal.SIGTERM)
+    second_port.unplug()
+
+
+def test_unplugging_and_replugging_needs_no_action(port: PluggablePort) -> None:
+    with echoing(port) as reader:
+        for number in range(1, 4):
+            before = {part: reader.err.count(part) for part in ("trying again", "is back")}
+            port.unplug()
+            says_more(reader, "trying again", before)
+            port.plug()
+            says_more(reader, "is back", before)
+
+            def is_reading(mark: float = number + 0.125) -> bool:
+                port.write(frame(angular_velocity={"x": mark, "y": 0.0, "z": 0.0}) + b"\n")
+                return f'"x":{mark},' in reader.out
+
+            wait_until(is_reading, "samples after the replug")
+        assert reader.end(signal.SIGINT) == 0
+    assert summary_of(reader.err.lines)["reconnects"] == 3
+
+
+def test_an_absent_device_is_said_in_one_line_and_the_node_stays_unconfigured() -> None:
+    done = run_rosbase("imu", "-p", "device_path:=/dev/does-not-exist", "--duration", "1.5")
+    assert done.returncode == 0
+    (line,) = done.stderr.splitlines()
+    assert "/dev/does-not-exist is not there" in line
+    assert "unconfigured" in done.stdout.splitlines()[0]
+    assert summary_of(done.stdout.splitlines())["published"] == 0
+
+
+def test_an_absent_device_is_waited_for_by_option(port: PluggablePort) -> None:
+    with RunningRosbase(
+        "imu", "-p", f"device_path:={port.path}", "-p", "wait_for_device:=true", "--topic-echo"
+    ) as reader:
+        reader.waits_for("is not there")
+        port.plug()
+        reader.waits_for("is back")
+
+        def is_reading() -> bool:
+            port.write(GOOD_FRAME + b"\n")
+            return bool(reader.out.lines)
+
+        wait_until(is_reading, "the first sample")
+        assert reader.end(signal.SIGINT) == 0
+    assert "Traceback" not in reader.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["-p", "baudrate:=fast"], "parameter baudrate takes a whole number, not 'fast'"),
+        (["-p", "baudrate:=0"], "parameter baudrate is at least 1, not 0"),
+        (["-p", "device:=x"], "unknown parameter 'device'; did you mean device_path?"),
+        (["-p", "comm_t:=mqtt"], "needs the package imu-mqtt: pip install imu-mqtt"),
+        (["-p", "comm_t:=seriel"], "no transport 'seriel'; installed: serial; did you mean"),
+        (["--backend", "ros2"], "needs the package rosbase-ros2: pip install rosbase-ros2"),
+    ],
+)
+def test_a_wrong_parameter_is_one_line_and_status_2(arguments: list[str], line: str) -> None:
+    done = run_rosbase("imu", *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert line in done.stderr
+
+
+def test_autostart_goes_as_far_as_it_is_told(port: PluggablePort) -> None:
+    port.plug()
+    for autostart, state in (("none", "unconfigured"), ("configure", "inactive")):
+        done = run_rosbase(
+            "imu", "-p", f"device_path:={port.path}", "-p", f"autostart:={autostart}",
+            "--duration", "1.5",
+        )  # fmt: skip
+        assert done.returncode == 0
+        assert done.stdout.splitlines()[0] == state
+
+
+def test_it_ends_quietly_when_nobody_reads_its_output(port: PluggablePort) -> None:
+    port.plug()
+    with subprocess.Popen(
+        [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as reader:
+        assert reader.stdout is not None
+        reader.stdout.close()
+
+        def has_ended() -> bool:
+            port.write(GOOD_FRAME + b"\n")
+            return reader.poll() is not None
+
+        wait_until(has_ended, "the end")
+        assert reader.stderr is not None
+        shown = reader.stderr.read()
+    assert reader.returncode == 0
+    assert "Traceback" not in shown
+    assert "Exception" not in shown
+
+
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_at_any_early_moment_ends_it_without_a_traceback(
+    port: PluggablePort, signum: int
+) -> None:
+    port.plug()
+    with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
+        reader.waits_for("opened")
+        assert reader.end(signum) == 0
+    assert "Traceback" not in reader.err
+    assert "published 0" in reader.out
