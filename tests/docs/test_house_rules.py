@@ -1,0 +1,35 @@
+"""The rules of docs/design.md that no tool checks."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
+
+
+def modules_of(package: Path) -> list[Path]:
+    return sorted(package.glob("src/**/*.py"))
+
+
+@pytest.mark.parametrize("package", PLUGINS, ids=lambda folder: folder.name)
+def test_a_plugin_uses_no_underscore_name_of_the_core(package: Path) -> None:
+    for module in modules_of(package):
+        for node in ast.walk(ast.parse(module.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rosbase"):
+                names = [*(node.module or "").split("."), *(alias.name for alias in node.names)]
+                assert not [name for name in names if name.startswith("_")], module
+
+
+@pytest.mark.parametrize("package", PLUGINS, ids=lambda folder: folder.name)
+def test_a_plugin_has_at_most_seven_modules(package: Path) -> None:
+    named = [module for module in modules_of(package) if module.name != "__init__.py"]
+    assert len(named) <= 7
+
+
+def test_nothing_but_the_clock_reads_the_time() -> None:
+    for module in [m for p in (ROOT / "packages").iterdir() for m in modules_of(p)]:
+        for node in ast.walk(ast.parse(module.read_text())):
+            if isinstance(node, ast.Import) and module.name != "clock.py":
+                assert "time" not in [alias.name for alias in node.names], module
