@@ -1,0 +1,132 @@
+"""The whole check of rosbase: `nox` runs it, `nox -l` lists its parts.
+
+Each session builds the wheels that it needs and installs them into an environment of its
+own, as a user would. Nothing is installed from the source tree.
+"""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import nox
+
+nox.options.default_venv_backend = "virtualenv"
+nox.options.reuse_existing_virtualenvs = True
+nox.needs_version = ">=2024.4.15"
+
+PACKAGES = Path("packages")
+# A distribution, the packages that its wheel needs beside those from the index, its tests.
+DISTRIBUTIONS = {
+    "rosbase-core": (["rosbase-core"], "tests/core"),
+    "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
+}
+TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3"]
+LINTERS = ["ruff==0.17.6"]
+OLDEST = "3.11"
+
+
+def _pythons() -> list[str]:
+    """Every Python from 3.11 up that this machine has and that starts."""
+    found = [f"{sys.version_info.major}.{sys.version_info.minor}"]
+    for minor in range(11, 20):
+        name = f"python3.{minor}"
+        # A version manager may put a name on the path behind which there is nothing.
+        if shutil.which(name):
+            started = subprocess.run([name, "-V"], check=False, capture_output=True)
+            found += [f"3.{minor}"] * (started.returncode == 0)
+    supported = {version for version in found if int(version.split(".")[1]) >= 11}
+    return sorted(supported, key=lambda version: int(version.split(".")[1]))
+
+
+PYTHONS = _pythons()
+
+
+def _install_wheels(session: nox.Session, *names: str) -> None:
+    """Builds the wheels of these distributions and installs them with what they need."""
+    wheels = Path(session.create_tmp()) / "wheels"
+    shutil.rmtree(wheels, ignore_errors=True)
+    sources = [str(PACKAGES / name) for name in names]
+    session.run("python", "-m", "pip", "wheel", "-q", "--no-deps", "-w", str(wheels), *sources)
+    session.install("--force-reinstall", *(str(wheel) for wheel in wheels.glob("*.whl")))
+
+
+@nox.session(python=PYTHONS)
+@nox.parametrize("distribution", list(DISTRIBUTIONS))
+def tests(session: nox.Session, distribution: str) -> None:
+    """The tests of one distribution, with nothing else of ours installed."""
+    names, folder = DISTRIBUTIONS[distribution]
+    session.install(*TEST_TOOLS)
+    _install_wheels(session, *names)
+    session.run("pytest", "-q", folder, *session.posargs)
+
+
+@nox.session(python=PYTHONS)
+def integration(session: nox.Session) -> None:
+    """All distributions together, as processes, on real lines."""
+    session.install(*TEST_TOOLS)
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("pytest", "-q", "tests/integration", *session.posargs)
+
+
+@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+def docs(session: nox.Session) -> None:
+    """Every code block of the READMEs and the documentation, run."""
+    session.install(*TEST_TOOLS)
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("pytest", "-q", "tests/docs", *session.posargs)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Style and formatting."""
+    session.install(*LINTERS)
+    session.run("ruff", "check", ".")
+    session.run("ruff", "format", "--check", ".")
+
+
+@nox.session
+def typing(session: nox.Session) -> None:
+    """The types of everything, tests too, under mypy's strictest rules."""
+    session.install("mypy==2.4.1", "nox", "types-pyserial", *TEST_TOOLS)
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("mypy", "packages/rosbase-core/src", "packages/imu-serial/src")
+    for folder in ("core", "imu_serial", "integration", "docs", "benchmarks"):
+        session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
+
+
+@nox.session
+def imports(session: nox.Session) -> None:
+    """Who may import whom."""
+    session.install("import-linter==2.16")
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("lint-imports")
+
+
+@nox.session
+def demo(session: nox.Session) -> None:
+    """The command that a newcomer runs first."""
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("rosbase", "plugins")
+    session.run("rosbase", "demo", "--duration", "5")
+
+
+@nox.session
+def build(session: nox.Session) -> None:
+    """Source distributions and wheels that hold what they should."""
+    session.install("build", "twine", "hatchling")
+    dist = Path(session.create_tmp()) / "dist"
+    shutil.rmtree(dist, ignore_errors=True)
+    for name in DISTRIBUTIONS:
+        # The wheel is built from the source distribution, so both are proved.
+        session.run("python", "-m", "build", "-q", "-o", str(dist), str(PACKAGES / name))
+    built = sorted(str(path) for path in dist.iterdir())
+    session.run("twine", "check", "--strict", *built)
+    session.run("python", "tests/check_wheels.py", *built)
+
+
+@nox.session(default=False)
+def bench(session: nox.Session) -> None:
+    """How fast it is, beside the same thing written by hand; prints a table."""
+    _install_wheels(session, "rosbase-core", "imu-serial")
+    session.run("python", "tests/benchmarks/reader.py", *session.posargs)
