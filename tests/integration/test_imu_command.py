@@ -3,6 +3,7 @@
 import json
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -159,6 +160,15 @@ def test_a_wrong_parameter_is_one_line_and_status_2(arguments: list[str], line: 
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1
     assert line in done.stderr
+
+
+def test_plugins_answers_in_well_under_half_a_second() -> None:
+    def took_s() -> float:
+        start = time.monotonic()
+        assert run_rosbase("plugins").returncode == 0
+        return time.monotonic() - start
+
+    assert min(took_s() for _ in range(5)) < 0.4
 
 
 def test_autostart_goes_as_far_as_it_is_told(port: PluggablePort) -> None:
