@@ -2,19 +2,18 @@
 
 from typing import Any
 
-from rosbase.context import ManagerContext
+from rosbase.context import Component, ManagerContext
 from rosbase.logger import RosbaseLogger
 
 __all__ = ["BaseHandlers"]
 
 
-class BaseHandlers:
+class BaseHandlers(Component):
     """Decides, once per tick, what nodes and agents do next."""
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Attaches to the manager; ignores whatever else is forwarded."""
-        # Any: programs reach for what their own manager class adds.
-        self.manager: Any = manager
+        super().__init__(manager)
         self.logger = manager.logger if manager is not None else RosbaseLogger(type(self).__name__)
         self._own_state: str | None = None
 
@@ -22,29 +21,14 @@ class BaseHandlers:
         """Called once per tick of the main loop. Do what is due and return soon."""
 
     @property
-    def nodes(self) -> dict[str, Any]:
-        """The manager's nodes by name; none without a manager."""
-        return self.manager.nodes if self.manager is not None else {}
-
-    @property
-    def agents(self) -> dict[str, Any]:
-        """The manager's agents by name; none without a manager."""
-        return self.manager.agents if self.manager is not None else {}
-
-    @property
     def timestamp(self) -> int:
-        """Ticks of the manager's main loop; 0 without a manager."""
-        return self.manager.timestamp if self.manager is not None else 0
+        """Ticks of the manager's main loop, to read and to set; 0 without a manager."""
+        return super().timestamp
 
     @timestamp.setter
     def timestamp(self, value: int) -> None:
         if self.manager is not None:
             self.manager.timestamp = value
-
-    @property
-    def node_freq_hz(self) -> float:
-        """The rate of the manager's main loop; 0 without a manager."""
-        return self.manager.node_freq_hz if self.manager is not None else 0.0
 
     @property
     def state(self) -> str | None:

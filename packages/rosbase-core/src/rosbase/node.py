@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.clock import Clock
 from rosbase.connection import open_backend
-from rosbase.context import ManagerContext
+from rosbase.context import Component, ManagerContext
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.stopping import stop_on_signals
@@ -18,7 +18,7 @@ MessageT = TypeVar("MessageT")
 _NS_PER_S = 1_000_000_000
 
 
-class BaseNode:
+class BaseNode(Component):
     """Publishes, subscribes, and keeps what came in for handlers and agents to read.
 
     With a manager it uses the manager's connection. Without one it opens its own, and
@@ -44,8 +44,7 @@ class BaseNode:
             custom_logger: A class that a lone node calls with its name for its logger.
             kwargs: Whatever the manager forwards; ignored here.
         """
-        # Any: programs reach for what their own manager class adds.
-        self.manager: Any = manager
+        super().__init__(manager)
         self._stop_requested = False
         if manager is not None:
             self._backend = manager.backend
@@ -54,26 +53,6 @@ class BaseNode:
         name = node_name or type(self).__name__
         self.logger = (custom_logger or RosbaseLogger)(name)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
-
-    @property
-    def nodes(self) -> dict[str, Any]:
-        """The manager's nodes by name; none without a manager."""
-        return self.manager.nodes if self.manager is not None else {}
-
-    @property
-    def agents(self) -> dict[str, Any]:
-        """The manager's agents by name; none without a manager."""
-        return self.manager.agents if self.manager is not None else {}
-
-    @property
-    def timestamp(self) -> int:
-        """Ticks of the manager's main loop; 0 without a manager."""
-        return self.manager.timestamp if self.manager is not None else 0
-
-    @property
-    def node_freq_hz(self) -> float:
-        """The rate of the manager's main loop; 0 without a manager."""
-        return self.manager.node_freq_hz if self.manager is not None else 0.0
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int = 10) -> Publisher:
         """A publisher of messages of that type. `qos` is the history depth, in messages."""

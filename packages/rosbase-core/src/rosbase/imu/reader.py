@@ -9,7 +9,7 @@ from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.health import Health, HealthLevel, judge_health
 from rosbase.imu.mapping import Sample, SampleReader
 from rosbase.imu.plausibility import Plausibility
-from rosbase.imu.rejects import REASONS, Reject
+from rosbase.imu.rejects import IGNORED, REASONS, Reject
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.lifecycle_node import LifecycleNode, LifecyclePublisher
@@ -247,7 +247,8 @@ class ImuReader(LifecycleNode):
             shown = frame if len(frame) <= 80 else frame[:80] + b"..."
             why = reject.detail or REASONS[reject.reason]
             number = self._counts.by_reason[reject.reason]
-            self.logger.warning(f"dropped {shown!r}: {reject.reason} ({why}); {number} so far")
+            say = self.logger.info if reject.reason in IGNORED else self.logger.warning
+            say(f"dropped {shown!r}: {reject.reason} ({why}); {number} so far")
 
     # The health, on the main-loop thread.
 

@@ -111,9 +111,9 @@ class Executor:
 
     def _run_one(self) -> bool:
         # Timers first: they are few, and a flood of messages must not starve them.
-        if self._timers and self._timers[0][0] <= self.clock.monotonic_ns():
-            with self._timer_lock:
-                deadline_ns, serial, timer = heapq.heappop(self._timers)
+        due = self._pop_due_timer() if self._timers else None
+        if due is not None:
+            deadline_ns, serial, timer = due
             timer.fire(serial, deadline_ns)
             return True
         if self._ready:
@@ -121,11 +121,19 @@ class Executor:
             return True
         return False
 
+    def _pop_due_timer(self) -> tuple[int, int, LocalTimer] | None:
+        now_ns = self.clock.monotonic_ns()
+        with self._timer_lock:
+            if self._timers and self._timers[0][0] <= now_ns:
+                return heapq.heappop(self._timers)
+        return None
+
     def _sleep(self, limit_ns: int) -> None:
-        if self._timers:
-            limit_ns = min(limit_ns, self._timers[0][0] - self.clock.monotonic_ns())
         self._sleeping = True
-        # Looked at again only now: whoever came before this line did not see us sleep.
+        # Looked at only now: whoever came before this line did not see us sleep.
+        with self._timer_lock:
+            if self._timers:
+                limit_ns = min(limit_ns, self._timers[0][0] - self.clock.monotonic_ns())
         if not self._ready and limit_ns > 0:
             self.clock.wait(self._wakeup, limit_ns / _NS_PER_S)
         self._sleeping = False
