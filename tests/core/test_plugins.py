@@ -6,7 +6,7 @@ import pytest
 
 from rosbase.errors import NotInstalledError
 from rosbase.plugins import PluginRegistry, installed_plugins
-from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, entry_points_in, install_plugin
+from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, candidates_in, install_plugin
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def load(site: Path) -> PluginRegistry:
-    return PluginRegistry(entry_points_in(site))
+    return PluginRegistry(candidates_in(site))
 
 
 @pytest.mark.parametrize("fault", BROKEN_PLUGINS)
@@ -45,6 +45,19 @@ def test_all_kinds_of_broken_plugins_together_harm_nobody(site: Path) -> None:
     registry = load(site)
     assert set(registry.transports) == {"can"}
     assert len([r for r in registry.plugins if r.failure]) == len(BROKEN_PLUGINS)
+
+
+def test_a_distribution_without_its_metadata_is_listed_and_harms_nobody(site: Path) -> None:
+    install_plugin(site, "bare", "x", TRANSPORT_PLUGIN.format(name="x"))
+    (site / "bare-1.2.dist-info" / "METADATA").unlink()
+    install_plugin(site, "damaged", "y", TRANSPORT_PLUGIN.format(name="y"))
+    (site / "damaged-1.2.dist-info" / "entry_points.txt").write_text("[rosbase]\ny damaged_y\n")
+    install_plugin(site, "z-good", "can", TRANSPORT_PLUGIN.format(name="can"))
+    registry = load(site)
+    assert "can" in registry.transports
+    failures = {record.distribution: record.failure for record in registry.plugins}
+    assert set(failures) == {"bare", "damaged", "z-good"}
+    assert "metadata cannot be read" in failures["damaged"]
 
 
 def test_a_name_claimed_by_two_is_refused_with_both_names(site: Path) -> None:

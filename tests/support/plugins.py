@@ -1,7 +1,8 @@
 """Installed packages that exist for one test: metadata and a module in a folder."""
 
-from importlib.metadata import EntryPoint, distributions
 from pathlib import Path
+
+from rosbase.plugins.discovery import Candidate, find_candidates
 
 
 def install_plugin(folder: Path, distribution: str, name: str, code: str | None) -> None:
@@ -22,10 +23,9 @@ def install_plugin(folder: Path, distribution: str, name: str, code: str | None)
         (folder / f"{module}.py").write_text(code)
 
 
-def entry_points_in(folder: Path) -> list[EntryPoint]:
-    """The entry points of what was installed there."""
-    found = [point for dist in distributions(path=[str(folder)]) for point in dist.entry_points]
-    return [point for point in found if point.group == "rosbase"]
+def candidates_in(folder: Path) -> list[Candidate]:
+    """What was installed there."""
+    return find_candidates("rosbase", [str(folder)])
 
 
 TRANSPORT_PLUGIN = """
@@ -70,6 +70,13 @@ BROKEN_PLUGINS: dict[str, tuple[str | None, str]] = {
         "from rosbase.plugins import hookimpl\n@hookimpl\ndef rosbase_transports(): return 5",
         "TypeError",
     ),
+    "base_exception": ("raise BaseException('odd')", "BaseException: odd"),
+    "parameters": (
+        TRANSPORT_PLUGIN.format(name="x").replace("create)", "create, parameters=None)"),
+        "'parameters' must be",
+    ),
+    "no_summary": (TRANSPORT_PLUGIN.format(name="x").replace('"a test"', "None"), "'summary' must"),
+    "not_callable": (TRANSPORT_PLUGIN.format(name="x").replace("create)", "5)"), "'create' must"),
     "bad_name": (TRANSPORT_PLUGIN.format(name="two words"), "name must be one word"),
 }
 """By what is wrong: the source of the plugin, and what the reason must say."""

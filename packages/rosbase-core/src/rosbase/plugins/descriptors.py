@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, TypeAlias
 
-from attrs import Attribute, field, frozen
+from attrs import Attribute, field, frozen, validators
 
 from rosbase.backend import Backend, BackendOptions
 from rosbase.parameters import ParameterSpec, ParameterValue
@@ -32,9 +32,9 @@ class BackendPlugin:
     kind: ClassVar[str] = "backend"
 
     name: str = field(validator=_word)
-    summary: str
+    summary: str = field(validator=validators.instance_of(str))
     """What it is, in half a line."""
-    create: Callable[[BackendOptions], Backend]
+    create: Callable[[BackendOptions], Backend] = field(validator=validators.is_callable())
     """Opens one."""
 
 
@@ -45,11 +45,18 @@ class TransportPlugin:
     kind: ClassVar[str] = "transport"
 
     name: str = field(validator=_word)
-    summary: str
+    summary: str = field(validator=validators.instance_of(str))
     """What it is, in half a line."""
-    create: Callable[[Mapping[str, ParameterValue], TransportContext], Transport]
+    create: Callable[[Mapping[str, ParameterValue], TransportContext], Transport] = field(
+        validator=validators.is_callable()
+    )
     """Makes one from the values of its parameters. Touches no device yet."""
-    parameters: tuple[ParameterSpec, ...] = ()
+    parameters: tuple[ParameterSpec, ...] = field(
+        default=(),
+        validator=validators.deep_iterable(
+            validators.instance_of(ParameterSpec), validators.instance_of(tuple)
+        ),
+    )
     """The parameters it adds to a reader's."""
     simulate: Callable[[], SimulatedDevice] | None = None
     """Opens a stand-in for a device, if there is one."""
@@ -62,9 +69,13 @@ class PresetPlugin:
     kind: ClassVar[str] = "preset"
 
     name: str = field(validator=_word)
-    summary: str
+    summary: str = field(validator=validators.instance_of(str))
     """Which device or firmware, in half a line."""
-    values: Mapping[str, ParameterValue]
+    values: Mapping[str, ParameterValue] = field(
+        validator=validators.deep_mapping(
+            validators.instance_of(str), validators.instance_of((bool, int, float, str, list))
+        )
+    )
     """By parameter name without the leading `mapping.`, such as `select`."""
 
 
@@ -75,11 +86,13 @@ class CommandPlugin:
     kind: ClassVar[str] = "command"
 
     name: str = field(validator=_word)
-    summary: str
+    summary: str = field(validator=validators.instance_of(str))
     """What it does, in half a line."""
-    configure: Callable[[argparse.ArgumentParser], object]
+    configure: Callable[[argparse.ArgumentParser], object] = field(
+        validator=validators.is_callable()
+    )
     """Adds its arguments to its parser."""
-    run: Callable[[Any], int]
+    run: Callable[[Any], int] = field(validator=validators.is_callable())
     """Runs it with the parsed arguments; gives the exit status."""
 
 

@@ -7,12 +7,11 @@ asked one at a time here.
 
 import inspect
 from collections.abc import Callable, Iterable
-from importlib.metadata import EntryPoint
 from types import ModuleType
 from typing import Any
 
 import pluggy
-from attrs import frozen
+from attrs import evolve, frozen
 
 from rosbase.errors import PluginError
 from rosbase.plugins import hookspec
@@ -23,6 +22,7 @@ from rosbase.plugins.descriptors import (
     PresetPlugin,
     TransportPlugin,
 )
+from rosbase.plugins.discovery import Candidate
 
 __all__ = ["PluginRecord", "load_plugin"]
 
@@ -54,20 +54,23 @@ class PluginRecord:
         return f"{self.distribution}:{self.name}"
 
 
-def load_plugin(manager: pluggy.PluginManager, entry: EntryPoint) -> PluginRecord:
+def load_plugin(manager: pluggy.PluginManager, candidate: Candidate) -> PluginRecord:
     """Imports the plugin, registers it with pluggy, and asks it what it brings.
 
     Whatever goes wrong ends up in the record, and the plugin is taken out again.
     """
-    dist = entry.dist
-    name = dist.name if dist else "unknown"
-    version = dist.version if dist else "?"
+    record = PluginRecord(candidate.name, candidate.distribution, candidate.version)
+    if candidate.entry is None:
+        return evolve(record, failure=candidate.damage)
     try:
-        module = entry.load()
-        descriptors = _register(manager, f"{name}:{entry.name}", module)
-    except (Exception, SystemExit) as error:
-        return PluginRecord(entry.name, name, version, failure=_one_line(error))
-    return PluginRecord(entry.name, name, version, tuple(descriptors))
+        module = candidate.entry.load()
+        descriptors = _register(manager, record.full_name, module)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        # Base: a module may do anything while it is imported, such as calling sys.exit().
+        return evolve(record, failure=_one_line(error))
+    return evolve(record, descriptors=tuple(descriptors))
 
 
 def _register(manager: pluggy.PluginManager, name: str, module: ModuleType) -> list[Descriptor]:

@@ -3,7 +3,6 @@
 import difflib
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar, cast
 
 import pluggy
@@ -18,6 +17,7 @@ from rosbase.plugins.descriptors import (
     PresetPlugin,
     TransportPlugin,
 )
+from rosbase.plugins.discovery import Candidate, find_candidates
 from rosbase.plugins.loader import PluginRecord, load_plugin
 
 __all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
@@ -39,12 +39,11 @@ DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
 class PluginRegistry:
     """The plugins that are there, and what they bring."""
 
-    def __init__(self, entries: Iterable[EntryPoint]) -> None:
-        """Loads every entry point; none of them can make this fail."""
+    def __init__(self, candidates: Iterable[Candidate]) -> None:
+        """Loads every candidate; none of them can make this fail."""
         manager = pluggy.PluginManager(hookspec.PROJECT_NAME)
         manager.add_hookspecs(hookspec)
-        ordered = sorted(entries, key=lambda e: (e.dist.name if e.dist else "", e.name))
-        records = [load_plugin(manager, entry) for entry in ordered]
+        records = [load_plugin(manager, candidate) for candidate in candidates]
         self._plugins = _refuse_contested(records)
         self._by_kind: dict[str, dict[str, Descriptor]] = {}
         for record in self._plugins:
@@ -94,6 +93,11 @@ class PluginRegistry:
             NotInstalledError: There is none; the line says what is there.
         """
         return self._find(PresetPlugin, name)
+
+    @staticmethod
+    def is_ours(kind: str, name: str) -> bool:
+        """Whether the name belongs to a package of this project."""
+        return (kind, name) in _OURS
 
     def _of(self, kind: type[DescriptorT]) -> Mapping[str, DescriptorT]:
         return cast(Mapping[str, DescriptorT], self._by_kind.get(kind.kind, {}))
@@ -151,4 +155,4 @@ def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
 @cache
 def installed_plugins() -> PluginRegistry:
     """The registry of this process, loaded when first asked for."""
-    return PluginRegistry(entry_points(group=ENTRY_POINT_GROUP))
+    return PluginRegistry(find_candidates(ENTRY_POINT_GROUP))

@@ -1,0 +1,68 @@
+"""Finds the entry points of installed distributions, also among those that are damaged."""
+
+from collections.abc import Iterable
+from importlib.metadata import Distribution, EntryPoint, distributions
+
+from attrs import frozen
+
+__all__ = ["Candidate", "find_candidates"]
+
+
+@frozen
+class Candidate:
+    """A plugin that says it is there."""
+
+    name: str
+    """The name of the entry point."""
+    distribution: str
+    """The installed package that it belongs to."""
+    version: str
+    entry: EntryPoint | None
+    """What to load; None if the metadata cannot be read."""
+    damage: str = ""
+    """What is wrong with the metadata, in one line."""
+
+
+def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate]:
+    """The entry points of the group, by distribution and name.
+
+    Args:
+        group: The entry-point group.
+        path: Where to look; by default where Python looks.
+    """
+    found: dict[str, list[Candidate]] = {}
+    for distribution in distributions() if path is None else distributions(path=path):
+        # Of two of one name, the first on the path is the one that Python imports.
+        name = _name_of(distribution)
+        if name not in found:
+            found[name] = list(_candidates_of(distribution, name, group))
+    return sorted((c for part in found.values() for c in part), key=_order)
+
+
+def _order(candidate: Candidate) -> tuple[str, str]:
+    return candidate.distribution, candidate.name
+
+
+def _candidates_of(distribution: Distribution, name: str, group: str) -> Iterable[Candidate]:
+    text = distribution.read_text("entry_points.txt") or ""
+    if f"[{group}]" not in text:
+        return
+    try:
+        version = distribution.version or "?"
+        entries = [entry for entry in distribution.entry_points if entry.group == group]
+    except Exception as error:
+        damage = f"its metadata cannot be read: {' '.join(repr(error).split())}"
+        yield Candidate("?", name, "?", None, damage)
+        return
+    for entry in entries:
+        yield Candidate(entry.name, name, version, entry)
+
+
+def _name_of(distribution: Distribution) -> str:
+    try:
+        name = distribution.metadata["Name"]
+    except Exception:
+        name = None
+    # A folder without its METADATA file still has a name of its own.
+    folder = getattr(distribution, "_path", None)
+    return name or (folder.name.partition("-")[0] if folder is not None else "unknown")
