@@ -1,10 +1,10 @@
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
 
-from rosbase.backend import BackendOptions
+from rosbase.backend import BackendOptions, Timer
 from rosbase.clock import SystemClock
 from rosbase.local import Bus, LocalBackend
 from support.clocks import ManualClock
@@ -116,6 +116,88 @@ def test_a_callback_that_calls_itself_soon_does_not_hold_up_the_deadline(
     backend.call_soon(again)
     backend.spin_until(100_000_000, never)
     assert clock.elapsed_ns <= 110_000_000
+
+
+def test_a_timer_that_is_always_late_does_not_starve_messages(
+    backend: LocalBackend, clock: ManualClock
+) -> None:
+    calls: list[int] = []
+    backend.create_timer(0.010, lambda: clock.advance(0.012))
+    for number in range(5):
+        backend.call_soon(partial(calls.append, number))
+    backend.spin_until(200_000_000, never)
+    assert calls == [0, 1, 2, 3, 4]
+
+
+def test_a_flood_of_calls_does_not_starve_a_timer(
+    backend: LocalBackend, clock: ManualClock
+) -> None:
+    fired: list[int] = []
+
+    def again() -> None:
+        clock.advance(0.001)
+        backend.call_soon(again)
+
+    backend.create_timer(0.010, lambda: fired.append(clock.elapsed_ns))
+    backend.call_soon(again)
+    backend.spin_until(105_000_000, never)
+    assert len(fired) == 10
+
+
+def test_a_timer_set_while_the_spinner_falls_asleep_is_not_slept_over() -> None:
+    class Trap(ManualClock):
+        """Does something at the n-th time that it is read before the executor sleeps."""
+
+        reads_left = 0
+        spring: Callable[[], object] | None = None
+
+        def monotonic_ns(self) -> int:
+            if self.spring is not None and not backend._executor._sleeping:
+                self.reads_left -= 1
+                if self.reads_left < 0:
+                    spring, self.spring = self.spring, None
+                    spring()
+            return super().monotonic_ns()
+
+    clock = Trap()
+    backend = LocalBackend(BackendOptions("robot", clock=clock), Bus())
+    backend.create_timer(1000.0, print)
+    late_ns: list[int] = []
+
+    def set_timer() -> None:
+        set_ns = clock.elapsed_ns
+        timer = backend.create_timer(0.02, lambda: fired(timer, set_ns))
+
+    def fired(timer: Timer, set_ns: int) -> None:
+        late_ns.append(clock.elapsed_ns - set_ns - 20_000_000)
+        backend.destroy_timer(timer)
+
+    for reads in range(8):
+        clock.reads_left, clock.spring = reads, set_timer
+        backend.spin_until(clock.elapsed_ns + 100_000_000, never)
+    assert len(late_ns) >= 4
+    assert max(late_ns) == 0
+    backend.close()
+
+
+def test_cancelling_within_the_callback_holds(backend: LocalBackend) -> None:
+    calls: list[int] = []
+
+    def once() -> None:
+        calls.append(1)
+        timer.cancel()
+
+    timer = backend.create_timer(0.1, once)
+    backend.spin_until(1_000_000_000, never)
+    assert calls == [1]
+    assert timer.is_canceled()
+
+
+def test_a_watchdog_reset_by_every_message_does_not_grow(backend: LocalBackend) -> None:
+    watchdog = backend.create_timer(60.0, print)
+    for _ in range(10_000):
+        watchdog.reset()
+    assert len(backend._executor._timers) <= 65
 
 
 def test_stopping_ends_the_spin(backend: LocalBackend) -> None:

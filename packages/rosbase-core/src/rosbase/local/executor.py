@@ -11,43 +11,34 @@ from rosbase.clock import Clock
 __all__ = ["Executor", "LocalTimer"]
 
 _NS_PER_S = 1_000_000_000
+_FEW_ENTRIES = 64
 
 
 class LocalTimer:
     """A timer with absolute deadlines. Periods that were missed are skipped."""
 
-    __slots__ = ("_callback", "_executor", "_period_ns", "_serial")
+    __slots__ = ("_executor", "callback", "period_ns", "serial")
 
     def __init__(
         self, executor: "Executor", period_ns: int, callback: Callable[[], object]
     ) -> None:
         self._executor = executor
-        self._period_ns = period_ns
-        self._callback = callback
-        # Names the entry of the heap that counts; any other is of a life before.
-        self._serial: int | None = None
+        self.period_ns = period_ns
+        self.callback = callback
+        self.serial: int | None = None
+        """The entry of the executor's heap that counts; any other is of a life before."""
 
     def cancel(self) -> None:
         """Stops it, until `reset`."""
-        self._serial = None
+        self._executor.cancel_timer(self)
 
     def reset(self) -> None:
         """Starts it again: the next call is one period from now."""
-        now_ns = self._executor.clock.monotonic_ns()
-        self._serial = self._executor.schedule_timer(now_ns + self._period_ns, self)
+        self._executor.start_timer(self)
 
     def is_canceled(self) -> bool:
         """Whether it is stopped."""
-        return self._serial is None
-
-    def fire(self, serial: int, deadline_ns: int) -> None:
-        """Calls back, if the entry still counts, after setting the next deadline."""
-        if serial != self._serial:
-            return
-        late_ns = self._executor.clock.monotonic_ns() - deadline_ns
-        periods = 1 + max(0, late_ns // self._period_ns)
-        self._serial = self._executor.schedule_timer(deadline_ns + periods * self._period_ns, self)
-        self._callback()
+        return self.serial is None
 
 
 class Executor:
@@ -56,9 +47,12 @@ class Executor:
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
         self._ready: deque[Callable[[], object]] = deque()
-        self._timers: list[tuple[int, int, LocalTimer]] = []
+        # The heap and the serials of its timers; `call_soon` does without this lock.
         self._timer_lock = threading.Lock()
+        self._timers: list[tuple[int, int, LocalTimer]] = []
         self._serials = count(1)
+        self._compact_at = _FEW_ENTRIES
+        self._owes_a_call = False
         # Held while nobody has called. Released to wake the spinning thread.
         self._wakeup = threading.Lock()
         self._wakeup.acquire()
@@ -74,14 +68,18 @@ class Executor:
                 # Somebody else has just done it.
                 pass
 
-    def schedule_timer(self, deadline_ns: int, timer: LocalTimer) -> int:
-        """Has the timer fire at the deadline; gives the entry's serial number."""
-        serial = next(self._serials)
+    def start_timer(self, timer: LocalTimer) -> None:
+        """Has the timer fire one period from now, and again after each period."""
+        deadline_ns = self.clock.monotonic_ns() + timer.period_ns
         with self._timer_lock:
-            heapq.heappush(self._timers, (deadline_ns, serial, timer))
+            self._push(deadline_ns, timer)
         if self._sleeping:
             self.call_soon(_nothing)
-        return serial
+
+    def cancel_timer(self, timer: LocalTimer) -> None:
+        """Has the timer not fire any more."""
+        with self._timer_lock:
+            timer.serial = None
 
     def spin_once(self, timeout_s: float) -> bool:
         """Runs one call, waiting for it as long as `timeout_s`; tells whether there was one."""
@@ -110,23 +108,42 @@ class Executor:
             self._timers.clear()
 
     def _run_one(self) -> bool:
-        # Timers first: they are few, and a flood of messages must not starve them.
-        due = self._pop_due_timer() if self._timers else None
-        if due is not None:
-            deadline_ns, serial, timer = due
-            timer.fire(serial, deadline_ns)
+        # A timer and a call take turns, so that neither a flood of messages nor a timer that
+        # is always late starves the other.
+        if self._ready and self._owes_a_call:
+            self._owes_a_call = False
+            self._ready.popleft()()
+            return True
+        timer = self._take_due_timer() if self._timers else None
+        if timer is not None:
+            self._owes_a_call = True
+            timer.callback()
             return True
         if self._ready:
             self._ready.popleft()()
             return True
         return False
 
-    def _pop_due_timer(self) -> tuple[int, int, LocalTimer] | None:
+    def _take_due_timer(self) -> LocalTimer | None:
+        """The timer whose time has come, set to its next deadline."""
         now_ns = self.clock.monotonic_ns()
         with self._timer_lock:
-            if self._timers and self._timers[0][0] <= now_ns:
-                return heapq.heappop(self._timers)
+            while self._timers and self._timers[0][0] <= now_ns:
+                deadline_ns, serial, timer = heapq.heappop(self._timers)
+                if serial == timer.serial:
+                    periods = 1 + (now_ns - deadline_ns) // timer.period_ns
+                    self._push(deadline_ns + periods * timer.period_ns, timer)
+                    return timer
         return None
+
+    def _push(self, deadline_ns: int, timer: LocalTimer) -> None:
+        timer.serial = next(self._serials)
+        heapq.heappush(self._timers, (deadline_ns, timer.serial, timer))
+        if len(self._timers) > self._compact_at:
+            # A watchdog that is reset by every message leaves an entry behind each time.
+            self._timers = [entry for entry in self._timers if entry[1] == entry[2].serial]
+            heapq.heapify(self._timers)
+            self._compact_at = max(_FEW_ENTRIES, 2 * len(self._timers))
 
     def _sleep(self, limit_ns: int) -> None:
         self._sleeping = True
