@@ -195,3 +195,73 @@ def test_a_listener_that_raises_never_leaves_the_machine_half_way(node: Scripted
     node.add_transition_listener(lambda event: 1 / 0)
     assert node.trigger_configure() is CallbackReturn.SUCCESS
     assert node.get_state() is State.INACTIVE
+
+
+def test_a_listener_that_exits_is_heard_once_the_machine_is_at_rest(node: Scripted) -> None:
+    def leave(event: TransitionEvent) -> None:
+        raise SystemExit(3)
+
+    node.add_transition_listener(leave)
+    with pytest.raises(SystemExit):
+        node.trigger_configure()
+    assert node.get_state() is State.INACTIVE
+
+
+def test_a_second_ctrl_c_in_on_error_brings_the_machine_to_rest_too(node: Scripted) -> None:
+    node.answers = {"on_configure": CallbackReturn.ERROR, "on_error": KeyboardInterrupt()}
+    with pytest.raises(KeyboardInterrupt):
+        node.trigger_configure()
+    assert node.get_state() is State.FINALIZED
+
+
+class PlainLogger:
+    """What programs give: the five levels, and nothing else."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.said: list[str] = []
+
+    def info(self, message: str, once: bool = False) -> None:
+        self.said.append(message)
+
+    error = warning = debug = critical = info
+
+
+class BrokenLogger(PlainLogger):
+    def error(self, message: str, once: bool = False) -> None:
+        raise OSError("disk full")
+
+
+@pytest.mark.parametrize("kind", [PlainLogger, BrokenLogger])
+def test_a_logger_of_the_programs_own_never_leaves_the_machine_half_way(
+    kind: type[PlainLogger],
+) -> None:
+    node = Scripted(
+        backend=LocalBackend(BackendOptions("scripted"), Bus()), custom_logger=kind, node_name="own"
+    )
+    node.answers["on_configure"] = ValueError("no calibration")
+    assert node.trigger_configure() is CallbackReturn.ERROR
+    assert node.get_state() is State.UNCONFIGURED
+    said: Any = node.logger
+    said.log_throttle("again", 1.0)
+    assert said.said[-1] == "again"
+    if kind is PlainLogger:
+        assert "on_configure raised ValueError: no calibration\nTraceback" in said.said[0]
+    node.destroy_node()
+
+
+def test_a_lone_lifecycle_node_comes_up_and_goes_down_by_itself() -> None:
+    node = make()
+    node.autostart = "activate"
+    node.add_transition_listener(
+        lambda event: node._request_stop() if event.goal is State.ACTIVE else None
+    )
+    node.start_spin_standalone()
+    assert [name for name, _ in node.asked] == [
+        "on_configure",
+        "on_activate",
+        "on_deactivate",
+        "on_cleanup",
+        "on_shutdown",
+    ]
+    assert node.get_state() is State.FINALIZED

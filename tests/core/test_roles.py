@@ -236,6 +236,56 @@ def test_every_step_of_the_shutdown_is_attempted_in_order() -> None:
     assert app.nodes["device"].get_state() is State.FINALIZED
 
 
+def test_a_node_that_exits_does_not_keep_the_others_from_being_taken_down() -> None:
+    done: list[str] = []
+
+    class Quiet(LifecycleNode):
+        autostart = "activate"
+
+        def on_shutdown(self, previous_state: State) -> CallbackReturn:
+            done.append("quiet")
+            return CallbackReturn.SUCCESS
+
+    class Exits(LifecycleNode):
+        autostart = "activate"
+
+        def on_deactivate(self, previous_state: State) -> CallbackReturn:
+            raise SystemExit(3)
+
+    class App(BaseManager):
+        def release_resources(self) -> None:
+            done.append("release")
+
+    backend = local()
+    app = App(
+        nodes_dict={"quiet": Quiet, "exits": Exits}, handlers_class=StopAfter, backend=backend
+    )
+    with pytest.raises(SystemExit):
+        app.start_main_loop_timer()
+    assert done == ["quiet", "release"]
+    assert app.nodes["exits"].get_state() is State.FINALIZED
+    assert backend._closed
+
+
+def test_a_node_that_is_up_already_is_left_up() -> None:
+    class Device(LifecycleNode):
+        autostart = "activate"
+
+    manager = BaseManager(nodes_dict={"d": Device}, handlers_class=StopAfter, backend=local())
+    manager.nodes["d"].trigger_configure()
+    manager.start_main_loop_timer()
+    assert manager.timestamp == 5
+
+
+def test_the_measured_frequency_is_logged(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", logger="rosbase")
+    manager = BaseManager(
+        handlers_class=StopAfter, node_freq_hz=1.5, log_freq=True, backend=local()
+    )
+    manager.start_main_loop_timer()
+    assert set(caplog.messages) == {"main loop: 1.5 Hz"}
+
+
 def test_an_exception_in_user_code_cleans_up_and_is_raised() -> None:
     class Bad(BaseHandlers):
         def handle(self) -> None:
@@ -263,7 +313,16 @@ def test_building_a_component_that_raises_closes_the_backend() -> None:
     assert backend._closed
 
 
-def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back() -> None:
+def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    states: dict[str, State] = {}
+
+    class Look(StopAfter):
+        def handle(self) -> None:
+            states.update({name: node.get_state() for name, node in self.nodes.items()})
+            super().handle()
+
     trace: list[str] = []
 
     def device(name: str, answer: CallbackReturn) -> type[LifecycleNode]:
@@ -282,9 +341,12 @@ def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back() -> None:
 
     good, bad = CallbackReturn.SUCCESS, CallbackReturn.FAILURE
     nodes = {"a": device("a", good), "b": device("b", good), "c": device("c", bad)}
-    manager = BaseManager(nodes_dict=nodes, handlers_class=StopAfter, backend=local())
+    manager = BaseManager(nodes_dict=nodes, handlers_class=Look, backend=local())
     manager.start_main_loop_timer()
     assert trace == ["a up", "b up", "c up", "b down", "a down"]
+    assert "activate failed, now inactive: no reason" in caplog.text
+    assert "c" in states
+    assert states["c"] is State.UNCONFIGURED, "the one that failed gives back what it took"
 
 
 def test_an_agent_works_without_a_manager() -> None:

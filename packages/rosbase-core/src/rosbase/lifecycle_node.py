@@ -51,8 +51,9 @@ class LifecycleNode(BaseNode):
 
     Override the `on_...` callbacks. Each is given the primary state that the node was in,
     and answers SUCCESS, FAILURE (back to where it was) or ERROR (`on_error` follows).
-    Raising is ERROR. One transition runs at a time; requests for another, or for one that
-    does not start at the present state, are refused and change nothing.
+    Whoever answers FAILURE leaves the reason in `last_error`, to be logged. Raising is
+    ERROR. One transition runs at a time; requests for another, or for one that does not
+    start at the present state, are refused and change nothing.
     """
 
     autostart: Autostart = "none"
@@ -62,10 +63,12 @@ class LifecycleNode(BaseNode):
         """As every node; starts unconfigured."""
         super().__init__(manager, *args, **kwargs)
         self.last_error: BaseException | None = None
-        """What a callback raised, or `raise_error` was given, the last time."""
+        """What went wrong the last time: raised by a callback, left by one that answered
+        FAILURE, or given to `raise_error`."""
         self._machine = Machine()
         self._transition_lock = threading.Lock()
         self._gated: list[LifecyclePublisher] = []
+        self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
 
     # What users override.
@@ -143,6 +146,35 @@ class LifecycleNode(BaseNode):
         """
         return self._drive(lambda: self._machine.request(transition_id, label))
 
+    def bring_up(self) -> bool:
+        """Brings the node as far as its `autostart` says; tells whether it got there."""
+        labels = {"none": (), "configure": ("configure",), "activate": ("configure", "activate")}
+        for label in labels[self.autostart]:
+            if not any(t.label == label for t in self.get_available_transitions()):
+                # It has been brought so far, or farther, already.
+                continue
+            if self.request_transition(label=label) is not CallbackReturn.SUCCESS:
+                return False
+        return True
+
+    def take_down(self, *, finalize: bool) -> None:
+        """Deactivates and cleans the node up, and with `finalize` shuts it down.
+
+        Every step is attempted. What ends the program is raised at the end.
+        """
+        steps = ((State.ACTIVE, "deactivate"), (State.INACTIVE, "cleanup"))
+        failure: BaseException | None = None
+        for state, label in (*steps, (None, "shutdown")):
+            due = self._machine.state is state or (state is None and finalize)
+            if not due or self._machine.state is State.FINALIZED:
+                continue
+            try:
+                self.request_transition(label=label)
+            except BaseException as error:
+                failure = failure or error
+        if failure is not None:
+            raise failure
+
     def raise_error(self, error: BaseException) -> CallbackReturn:
         """Reports a fault outside of any transition: `on_error` runs, as after ERROR.
 
@@ -178,43 +210,52 @@ class LifecycleNode(BaseNode):
             publisher = publisher.inner
         super().destroy_publisher(publisher)
 
-    # How a transition runs.
+    # How a lone node and a transition run.
+
+    def _begin(self) -> None:
+        self.bring_up()
+
+    def _end(self) -> None:
+        self.take_down(finalize=True)
 
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._transition_lock.acquire(blocking=False):
             raise TransitionNotAvailableError("another transition is under way")
+        # What ends the program is passed on once the machine has come to rest.
+        self._interrupt = None
+        known_error = self.last_error
         try:
-            self._note(begin())
-            answer, interrupt = self._call_back()
+            event = begin()
+            self._note(event)
+            answer = self._call_back()
             self._note(self._machine.finish(answer))
+            if answer is CallbackReturn.FAILURE:
+                reason = self.last_error if self.last_error is not known_error else "no reason"
+                state = self._machine.state.label
+                self.logger.error(f"{event.transition.label} failed, now {state}: {reason}")
             if self._machine.state is State.ERRORPROCESSING:
-                healed, second = self._call_back()
-                interrupt = interrupt or second
-                self._note(self._machine.finish(healed))
+                self._note(self._machine.finish(self._call_back()))
+            interrupt = self._interrupt
         finally:
             self._transition_lock.release()
         if interrupt is not None:
             raise interrupt
         return answer
 
-    def _call_back(self) -> tuple[CallbackReturn, BaseException | None]:
-        """Runs the callback of the present state; gives its answer, and a Ctrl-C to pass on."""
+    def _call_back(self) -> CallbackReturn:
+        """Runs the callback of the present state; gives its answer."""
         name = CALLBACKS[self._machine.state]
         try:
             answer = getattr(self, name)(self._machine.previous_state)
-        except Exception as error:
-            self.last_error = error
-            self.logger.error(f"{name} raised {type(error).__name__}: {error}", exc_info=error)
-            return CallbackReturn.ERROR, None
         except BaseException as error:
-            # The machine must come to rest, whatever ends the program.
             self.last_error = error
-            return CallbackReturn.ERROR, error
+            self._report(name, error)
+            return CallbackReturn.ERROR
         if isinstance(answer, CallbackReturn):
-            return answer, None
+            return answer
         self.last_error = TypeError(f"{name} must return a CallbackReturn, not {answer!r}")
         self.logger.error(str(self.last_error))
-        return CallbackReturn.ERROR, None
+        return CallbackReturn.ERROR
 
     def _note(self, event: TransitionEvent) -> None:
         is_active = event.goal is State.ACTIVE
@@ -223,5 +264,11 @@ class LifecycleNode(BaseNode):
         for listener in self._listeners:
             try:
                 listener(event)
-            except Exception as error:
-                self.logger.error(f"a transition listener raised {error!r}", exc_info=error)
+            except BaseException as error:
+                self._report("a transition listener", error)
+
+    def _report(self, who: str, error: BaseException) -> None:
+        if isinstance(error, Exception):
+            self.logger.error(f"{who} raised {type(error).__name__}: {error}", exc_info=error)
+        else:
+            self._interrupt = self._interrupt or error

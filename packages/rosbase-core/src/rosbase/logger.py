@@ -2,11 +2,13 @@
 
 import logging
 import threading
+import traceback
+from collections.abc import Callable
 from typing import Any
 
 from rosbase.clock import Clock, SystemClock
 
-__all__ = ["RosbaseLogger"]
+__all__ = ["RosbaseLogger", "make_logger"]
 
 _NS_PER_S = 1_000_000_000
 
@@ -78,9 +80,15 @@ class RosbaseLogger:
             self._next_ns.clear()
 
     def _log(self, level: int, message: str, once: bool = False, exc_info: Any = None) -> None:
-        if not self._logger.isEnabledFor(level) or (once and not self._first_time(level, message)):
+        if not self._is_enabled(level) or (once and not self._first_time(level, message)):
             return
-        self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=3)
+        self._emit(level, message, exc_info)
+
+    def _emit(self, level: int, message: str, exc_info: Any) -> None:
+        self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=4)
+
+    def _is_enabled(self, level: int) -> bool:
+        return self._logger.isEnabledFor(level)
 
     def _first_time(self, level: int, message: str) -> bool:
         with self._lock:
@@ -88,6 +96,37 @@ class RosbaseLogger:
                 return False
             self._said.add((level, message))
             return True
+
+
+class _CustomLogger(RosbaseLogger):
+    """A logger of the application's own, with whatever ours can do and it cannot."""
+
+    def __init__(self, name: str, custom: Any) -> None:
+        super().__init__(name)
+        self._custom = custom
+
+    def __getattr__(self, attribute: str) -> Any:
+        return getattr(self._custom, attribute)
+
+    def _is_enabled(self, level: int) -> bool:
+        return True
+
+    def _emit(self, level: int, message: str, exc_info: Any) -> None:
+        if isinstance(exc_info, BaseException):
+            message = f"{message}\n{''.join(traceback.format_exception(exc_info)).rstrip()}"
+        try:
+            getattr(self._custom, logging.getLevelName(level).lower())(message)
+        except Exception:
+            # Whatever is being reported matters more than how.
+            super()._emit(level, message, None)
+
+
+def make_logger(name: str, custom: Callable[[str], Any] | None = None) -> RosbaseLogger:
+    """The logger of that name; `custom` is a class of the application's own for it."""
+    if custom is None:
+        return RosbaseLogger(name)
+    logger = custom(name)
+    return logger if isinstance(logger, RosbaseLogger) else _CustomLogger(name, logger)
 
 
 def _level(name: str) -> int:

@@ -7,7 +7,7 @@ from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Ti
 from rosbase.clock import Clock
 from rosbase.connection import open_backend
 from rosbase.context import Component, ManagerContext
-from rosbase.logger import RosbaseLogger
+from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.stopping import stop_on_signals
 
@@ -51,7 +51,7 @@ class BaseNode(Component):
             self.logger = manager.logger
             return
         name = node_name or type(self).__name__
-        self.logger = (custom_logger or RosbaseLogger)(name)
+        self.logger = make_logger(name, custom_logger)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int = 10) -> Publisher:
@@ -124,12 +124,16 @@ class BaseNode(Component):
             raise RuntimeError("a node with a manager is run by the manager")
         try:
             with stop_on_signals(self._request_stop):
+                self._begin()
                 while not self._stop_requested:
                     deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                     self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
         finally:
-            self.release_resources()
-            self.destroy_node()
+            try:
+                self._end()
+                self.release_resources()
+            finally:
+                self.destroy_node()
 
     def release_resources(self) -> None:
         """Called when the node ends. Override it to release files, threads and devices."""
@@ -138,6 +142,12 @@ class BaseNode(Component):
         """Closes a lone node's own connection. Harmless when done, or with a manager."""
         if self.manager is None:
             self._backend.close()
+
+    def _begin(self) -> None:
+        """What a lone node does before it is spun."""
+
+    def _end(self) -> None:
+        """What a lone node does once it is not spun any more."""
 
     def _request_stop(self) -> None:
         self._stop_requested = True

@@ -9,7 +9,7 @@ from rosbase.connection import open_backend
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.handlers import BaseHandlers
 from rosbase.lifecycle_node import LifecycleNode
-from rosbase.logger import RosbaseLogger
+from rosbase.logger import make_logger
 from rosbase.manager.bringup import bring_up, take_down
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
@@ -24,7 +24,7 @@ ComponentT = TypeVar("ComponentT")
 
 _HANDSHAKE_SLICE_NS = 100_000_000
 _PENDING_REPORT_S = 5.0
-_LOG_FREQ_S = 1.0
+_LOG_FREQ_NS = 1_000_000_000
 
 
 class BaseManager:
@@ -64,7 +64,7 @@ class BaseManager:
             handshake_timeout: Seconds after which a handshake that does not succeed is an error.
             kwargs: Forwarded to every component as they are.
         """
-        self.logger = (custom_logger or RosbaseLogger)(node_name)
+        self.logger = make_logger(node_name, custom_logger)
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
         self.node_freq_hz = node_freq_hz
         self.state = start_state
@@ -76,7 +76,7 @@ class BaseManager:
         self._handshake = Handshake(self.logger)
         self._handshake_timeout_s = handshake_timeout
         self._log_freq = log_freq
-        self._ticks_logged = 0
+        self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
         self._has_shut_down = False
         try:
@@ -195,14 +195,15 @@ class BaseManager:
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
 
     def _report_frequency(self) -> None:
-        # `due` also says yes the first time, when there is nothing to report yet.
-        if self.logger.due("main loop frequency", _LOG_FREQ_S):
-            if self._ticks_logged:
-                rate_hz = (self.loop_stats.ticks - self._ticks_logged) / _LOG_FREQ_S
+        now_ns, ticks = self.backend.clock.monotonic_ns(), self.loop_stats.ticks
+        since_ns, before = self._frequency_mark or (now_ns, ticks)
+        if self._frequency_mark is None or now_ns - since_ns >= _LOG_FREQ_NS:
+            if ticks > before:
+                rate_hz = (ticks - before) * 1e9 / (now_ns - since_ns)
                 self.logger.info(f"main loop: {rate_hz:.1f} Hz")
-            self._ticks_logged = self.loop_stats.ticks
+            self._frequency_mark = (now_ns, ticks)
 
-    def _shut_down(self) -> Exception | None:
+    def _shut_down(self) -> BaseException | None:
         if self._has_shut_down:
             return None
         self._has_shut_down = True

@@ -9,17 +9,17 @@ __all__ = ["run_steps"]
 
 def run_steps(
     steps: Iterable[tuple[str, Callable[[], object]]], logger: RosbaseLogger
-) -> Exception | None:
+) -> BaseException | None:
     """Runs the named steps in order.
 
     Returns:
         The first exception that one of them raised. Each is logged with its traceback.
     """
-    first: Exception | None = None
+    first: BaseException | None = None
     for name, step in steps:
         try:
             step()
-        except Exception as error:
+        except BaseException as error:
             logger.error(f"shutdown: {name} failed: {error}", exc_info=error)
             first = first or error
     return first
