@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from imu_serial.config import SerialConfig
+from imu_serial.port import Port
 from imu_serial.transport import STOP_TIMEOUT_S, SerialTransport
 from rosbase.clock import SystemClock
 from rosbase.errors import (
@@ -153,6 +154,7 @@ def test_s1_an_absent_port_is_waited_for_and_picked_up_when_it_comes(
     state(transport, TransportState.CONNECTED)
     rig.prove()
     assert len(caplog.records) == 1, "one line for one change of state"
+    assert transport.health.reconnects == 0, "it came late, it did not come back"
 
 
 # S2 and S3: unplugged while reading, and replugged.
@@ -303,6 +305,112 @@ def test_an_on_frame_that_hangs_does_not_hang_stop(
     wait_until(can_be_opened, "the port")
 
 
+def test_an_on_frame_that_was_left_behind_cannot_end_its_successor(rig: Rig) -> None:
+    rig.port.plug()
+    transport = rig.transport()
+    entered, leave, left = threading.Event(), threading.Event(), threading.Event()
+
+    def hang(frame: bytes, stamp_ns: int) -> None:
+        entered.set()
+        leave.wait(30)
+        transport.close()
+        transport.stop()
+        left.set()
+
+    transport.start(hang)
+    wait_until(lambda: rig.writes(b"x\n") and entered.wait(0.05), "on_frame")
+    transport.stop()
+    # Its own port is given back when it ends; another line is free now.
+    (rig.port.path.parent / "other").mkdir()
+    other = PluggablePort(rig.port.path.parent / "other")
+    other.plug()
+    transport._config = SerialConfig(str(other.path), 115_200)
+    transport.start(rig.keep)
+    leave.set()
+    assert left.wait(10)
+
+    def arrives() -> bool:
+        other.write(b"proof\n")
+        return not rig.frames.empty()
+
+    wait_until(arrives, "a line from the successor")
+    transport.close()
+    other.unplug()
+
+
+def test_an_on_frame_that_exits_does_not_end_the_stream(
+    rig: Rig, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig.port.plug()
+    transport = rig.transport()
+
+    def leave(frame: bytes, stamp_ns: int) -> None:
+        rig.keep(frame, stamp_ns)
+        if frame == b"exit":
+            sys.exit(3)
+
+    transport.start(leave)
+    rig.prove()
+    rig.port.write(b"exit\nnext\n")
+    assert [rig.next(), rig.next()] == [b"exit", b"next"]
+    assert "SystemExit" in caplog.text
+
+
+def test_a_reader_that_fails_is_noticed_and_can_be_started_again(
+    rig: Rig, caplog: pytest.LogCaptureFixture
+) -> None:
+    class Clock(SystemClock):
+        fails = False
+
+        def now_ns(self) -> int:
+            if self.fails:
+                raise MemoryError("no more")
+            return time.time_ns()
+
+    rig.port.plug()
+    clock = Clock()
+    context = TransportContext(clock, RosbaseLogger("serial_test"))
+    transport = SerialTransport(SerialConfig(str(rig.port.path), 115_200), context)
+    rig.made.append(transport)
+    transport.start(rig.keep)
+    rig.prove()
+    clock.fails = True
+    rig.port.write(b"x\n")
+    state(transport, TransportState.CLOSED)
+    wait_until(lambda: not transport.is_open, "the port to be given back")
+    assert "MemoryError" in transport.health.last_error
+    assert "the reader failed" in caplog.text
+    clock.fails = False
+    transport.start(rig.keep)
+    rig.prove()
+
+
+def test_a_port_is_not_lost_when_no_reader_can_be_made(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse() -> tuple[int, int]:
+        raise OSError(24, "Too many open files")
+
+    rig.port.plug()
+    transport = rig.transport()
+    transport.open()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "pipe", refuse)
+        with pytest.raises(OSError, match="Too many"):
+            transport.start(rig.keep)
+    assert transport.is_open
+    transport.start(rig.keep)
+    rig.prove()
+
+
+def test_a_transport_that_waited_and_was_stopped_is_closed(rig: Rig) -> None:
+    transport = rig.transport(wait=True)
+    transport.open()
+    transport.start(rig.keep)
+    transport.stop()
+    assert transport.health.state is TransportState.CLOSED
+
+
 def test_any_calls_from_many_threads_end_in_time_and_leak_nothing(rig: Rig) -> None:
     rig.port.plug()
     transport = rig.transport()
@@ -395,6 +503,7 @@ AS_NOBODY = """
 import os, sys
 from imu_serial.config import SerialConfig
 from imu_serial.port import Port
+from imu_serial.port import Port
 if os.getuid() == 0:
     os.setuid(65534)
 try:
@@ -443,6 +552,14 @@ def test_s13_programs_that_ask_for_no_lock_are_kept_out_too(rig: Rig) -> None:
     assert "Device or resource busy" in as_nobody(attempt)
     transport.close()
     assert as_nobody(attempt) == ""
+
+
+@pytest.mark.parametrize("path", ["", "/dev/a\0b", "/dev/a\nb"])
+def test_s13_a_name_that_can_be_none_is_one_line(path: str) -> None:
+    with pytest.raises(TransportError) as caught:
+        Port(SerialConfig(path, 9600))
+    assert "\n" not in str(caught.value)
+    assert "\0" not in str(caught.value)
 
 
 @pytest.mark.parametrize("what", ["directory", "file", "null", "under a file"])

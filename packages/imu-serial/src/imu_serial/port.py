@@ -38,8 +38,12 @@ class Port:
             TransportError: Which kind says why; the message is one line.
         """
         path = config.device_path
+        self.name = path if path.isprintable() and path else repr(path)
+        """The path, fit for a line of text."""
+        if not path or "\0" in path:
+            raise NotADeviceError(f"{self.name} is not the name of a serial port")
         if os.path.isdir(path):
-            raise NotADeviceError(f"{path} is a directory, not a serial port")
+            raise NotADeviceError(f"{self.name} is a directory, not a serial port")
         port = serial.Serial()
         port.port = path
         port.baudrate = config.baudrate
@@ -48,9 +52,8 @@ class Port:
         try:
             port.open()
         except (OSError, ValueError, termios.error) as error:
-            raise _explain(path, config.baudrate, error) from error
+            raise _explain(self.name, path, config.baudrate, error) from error
         self._serial = port
-        self._path = path
         self._fd: int = port.fileno()
         self._poll = select.poll()
         # Read into one buffer: a new one for each chunk, cut to size, would fragment the heap.
@@ -105,7 +108,7 @@ class Port:
             self._serial.close()
 
     def _lost(self, why: str) -> TransportError:
-        return TransportError(f"{self._path} was lost: {why}")
+        return TransportError(f"{self.name} was lost: {why}")
 
     def _refuse_others(self) -> None:
         # pyserial's lock is advisory; this one also holds against programs that do not ask.
@@ -115,28 +118,28 @@ class Port:
             pass
 
 
-def _explain(path: str, baudrate: int, error: Exception) -> TransportError:
+def _explain(name: str, path: str, baudrate: int, error: Exception) -> TransportError:
     """The error that says what a user can do about it."""
     code = getattr(error, "errno", None)
     if code is None and error.args:
         code = error.args[0] if isinstance(error.args[0], int) else None
     match code:
         case errno.ENOENT | errno.ENODEV | errno.ENXIO:
-            return DeviceNotFoundError(f"{path} is not there; is the device plugged in?")
+            return DeviceNotFoundError(f"{name} is not there; is the device plugged in?")
         case errno.EACCES | errno.EPERM:
             return DevicePermissionError(
-                f"{path} may not be opened by this user; it belongs to the group {_group(path)}"
+                f"{name} may not be opened by this user; it belongs to the group {_group(path)}"
             )
         case errno.EAGAIN | errno.EBUSY:
-            return DeviceBusyError(f"{path} is in use by another program")
+            return DeviceBusyError(f"{name} is in use by another program")
         case errno.ENOTDIR | errno.EISDIR | errno.ELOOP:
-            return NotADeviceError(f"{path} is not a serial port")
+            return NotADeviceError(f"{name} is not a serial port")
     text = " ".join(str(error).split())
     if "Inappropriate ioctl" in text:
-        return NotADeviceError(f"{path} is not a serial port")
+        return NotADeviceError(f"{name} is not a serial port")
     if isinstance(error, ValueError):
-        return NotADeviceError(f"{path} does not take {baudrate} baud: {text}")
-    return TransportError(f"{path} cannot be opened: {text}")
+        return NotADeviceError(f"{name} does not take {baudrate} baud: {text}")
+    return TransportError(f"{name} cannot be opened: {text}")
 
 
 def _group(path: str) -> str:

@@ -67,8 +67,14 @@ class ReaderThread:
         self._closes_port = False
         self.port = port
         """The port as long as there is one; whoever joins the thread takes it over."""
+        self._has_lost_port = False
         self._thread = threading.Thread(target=self._run, name="imu-serial", daemon=True)
-        self._thread.start()
+        try:
+            self._thread.start()
+        except RuntimeError:
+            os.close(self._wake_read)
+            os.close(self._wake_write)
+            raise
 
     @property
     def is_current_thread(self) -> bool:
@@ -77,8 +83,8 @@ class ReaderThread:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the thread has been asked to end."""
-        return self._stopping
+        """Whether the thread has ended or been asked to."""
+        return self._stopping or self._has_ended
 
     def request_stop(self) -> None:
         """Asks the thread to end. It does so after the frame that it is handing over."""
@@ -105,6 +111,10 @@ class ReaderThread:
                 port = self.port or self._reopen()
                 if port is not None:
                     self._read(port)
+        except BaseException as error:
+            self._tally.last_error = f"the reader failed: {error!r}"
+            self._context.logger.error(self._tally.last_error, exc_info=error)
+            self._closes_port = True
         finally:
             with self._end_lock:
                 self._has_ended = True
@@ -130,6 +140,7 @@ class ReaderThread:
                         self._sleep(_GATHER_S)
         except TransportError as error:
             self._close_port()
+            self._has_lost_port = True
             self._say(error)
 
     def _take(self, data: bytes) -> None:
@@ -153,7 +164,8 @@ class ReaderThread:
     def _hand_over(self, frame: Frame) -> None:
         try:
             self._on_frame(frame.data, frame.stamp_ns)
-        except Exception as error:
+        except BaseException as error:
+            # Base: a callback that calls sys.exit() would end this thread only, in silence.
             # The boundary to the user's code: one bad frame must not end the stream.
             logger = self._context.logger
             if logger.due("on_frame", _CALLBACK_LOG_S):
@@ -168,10 +180,10 @@ class ReaderThread:
             except TransportError as error:
                 self._say(error)
             else:
-                self._tally.reconnects += 1
+                self._tally.reconnects += self._has_lost_port
                 self._tally.last_error = ""
                 self.port = port
-                logger.info(f"{self._config.device_path} is back")
+                logger.info(f"{port.name} is {'back' if self._has_lost_port else 'there'}")
                 return port
         return None
 

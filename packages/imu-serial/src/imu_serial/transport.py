@@ -30,6 +30,7 @@ class SerialTransport(Transport):
         self._tally = Tally()
         self._port: Port | None = None
         self._reader: ReaderThread | None = None
+        self._left_behind: list[ReaderThread] = []
         self._is_awaited = False
         # Serialises the four calls. The reader thread never takes it: it may be joined under it.
         self._lock = threading.RLock()
@@ -54,7 +55,7 @@ class SerialTransport(Transport):
             else:
                 self._tally.last_error = ""
                 self._context.logger.info(
-                    f"opened {self._config.device_path} at {self._config.baudrate} baud"
+                    f"opened {self._port.name} at {self._config.baudrate} baud"
                 )
 
     def start(self, on_frame: OnFrame) -> None:
@@ -66,24 +67,25 @@ class SerialTransport(Transport):
             if self._reader is not None:
                 return
             self.open()
-            port, self._port = self._port, None
-            self._reader = ReaderThread(self._config, self._context, port, on_frame, self._tally)
+            self._reader = ReaderThread(
+                self._config, self._context, self._port, on_frame, self._tally
+            )
+            # From here on the port is the reader's.
+            self._port = None
+            self._is_awaited = False
 
     def stop(self) -> None:
         """Ends the reader thread; waits for it, except on that thread itself."""
-        reader = self._reader
-        if reader is not None and reader.is_current_thread:
-            reader.request_stop()
+        if self._on_reader_thread():
+            self._reader_asks_to_end(closes_port=False)
             return
         with self._lock:
             self._end_reader()
 
     def close(self) -> None:
         """Ends the reader thread and gives the port back."""
-        reader = self._reader
-        if reader is not None and reader.is_current_thread:
-            reader.request_stop()
-            reader.close_port_at_end()
+        if self._on_reader_thread():
+            self._reader_asks_to_end(closes_port=True)
             return
         with self._lock:
             self._end_reader()
@@ -121,8 +123,16 @@ class SerialTransport(Transport):
         return TransportState.CLOSED
 
     def _on_reader_thread(self) -> bool:
+        readers = [self._reader, *self._left_behind]
+        return any(reader is not None and reader.is_current_thread for reader in readers)
+
+    def _reader_asks_to_end(self, *, closes_port: bool) -> None:
         reader = self._reader
-        return reader is not None and reader.is_current_thread
+        # One that was left behind has nothing to say about its successor.
+        if reader is not None and reader.is_current_thread:
+            reader.request_stop()
+            if closes_port:
+                reader.close_port_at_end()
 
     def _collect_stopped_reader(self) -> None:
         """Takes the port back from a reader that was stopped from within `on_frame`."""
@@ -138,6 +148,7 @@ class SerialTransport(Transport):
             self._port = reader.port
         else:
             reader.close_port_at_end()
+            self._left_behind = [r for r in self._left_behind if not r.join(0.0)] + [reader]
             self._context.logger.error(
                 f"on_frame has not returned for {STOP_TIMEOUT_S:g} s; its thread is left behind"
             )

@@ -53,7 +53,7 @@ class TransportHealth:
     frame_errors: Mapping[str, int] = field(factory=dict)
     """What could not become a frame, counted by reason."""
     reconnects: int = 0
-    """How often the device was lost and came back, or came late."""
+    """How often the device was lost and came back."""
     last_data_ns: int | None = None
     """When bytes last arrived, on the monotonic clock; None if none ever did."""
     last_error: str = ""
