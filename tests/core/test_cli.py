@@ -57,6 +57,7 @@ def run(*arguments: str, path: Path | None = None) -> subprocess.CompletedProces
         (["imu", "--duration", "-1"], "'-1' is not a positive number"),
         (["imu", "--frobnicate"], "unrecognized arguments: --frobnicate"),
         (["demo", "--rate", "nan"], "'nan' is not a positive number"),
+        (["demo", "--rate", "1e-308"], "'1e-308' is not from 0.01 to 100000"),
         (["demo", "--transport", "mqtt"], "pip install imu-mqtt"),
         (["fly"], "invalid choice: 'fly'"),
         ([], "say what to do: demo, imu, plugins"),
@@ -87,6 +88,7 @@ def test_parameters_come_from_a_file_and_the_command_line_wins(tmp_path: Path) -
     ("assignment", "line"),
     [
         ("frameid:=x", "unknown parameter 'frameid'; did you mean frame_id?"),
+        ("stale_timeout:=1" + "0" * 350, "stale_timeout is too large a number"),
         ("stale_timeout:=soon", "stale_timeout takes a number, not 'soon'"),
         ("autostart:=yes", "autostart is one of none, configure, activate, not 'yes'"),
     ],
@@ -103,6 +105,9 @@ def test_a_bad_assignment_is_one_line(assignment: str, line: str) -> None:
         ("frame_idd = 'x'", "unknown parameter 'frame_idd'"),
         ("[mapping.gyro]\nunit = 'x'", "unknown parameter 'mapping.gyro.unit'"),
         ("frame_id = 2020-01-01", "frame_id takes text"),
+        ("[frame_id]", "frame_id takes text"),
+        ("a=" + "[" * 5000 + "]" * 5000, "nested too deeply|unknown parameter"),
+        (".".join("a" * 3000) + "=1", "nested too deeply|unknown parameter"),
     ],
 )
 def test_a_bad_parameter_file_is_one_line(tmp_path: Path, text: str, line: str) -> None:
@@ -140,6 +145,68 @@ def test_broken_plugins_are_listed_with_the_reason_and_the_rest_works(tmp_path: 
         assert reason in lines[fault]
     assert listed.stdout.count("transport 'radio' is claimed by first:radio and second:radio") == 2
     assert " active " in lines["local"]
+
+
+CLASHING = """
+from rosbase.parameters import ParameterSpec
+from rosbase.plugins import PresetPlugin, TransportPlugin, CommandPlugin, hookimpl
+
+@hookimpl
+def rosbase_transports():
+    yield TransportPlugin("clashing", "a test", print, parameters=(ParameterSpec("frame_id", 5),))
+
+@hookimpl
+def rosbase_presets():
+    yield PresetPlugin("odd", "a test", {"bogus.key": 1})
+
+def configure(parser):
+    raise RuntimeError("no arguments today")
+
+@hookimpl
+def rosbase_commands():
+    yield CommandPlugin("fly", "100% of a test", configure, print)
+"""
+
+
+def test_a_plugin_that_contradicts_the_reader_is_listed_and_harms_nobody(tmp_path: Path) -> None:
+    install_plugin(tmp_path, "clasher", "clash", CLASHING)
+    listed = run("plugins", path=tmp_path)
+    (line,) = [line for line in listed.stdout.splitlines() if line.startswith("clash")]
+    assert " failed " in line
+    assert "its parameter frame_id is another than that of the reader" in line
+    assert run("imu", "--list-parameters", path=tmp_path).returncode == 0
+    assert run("--help", path=tmp_path).returncode == 0
+    for arguments, complaint in (
+        (["imu", "-p", "comm_t:=clashing"], "transport 'clashing' cannot be used"),
+        (["imu", "-p", "comm_t:=clashing", "-p", "preset:=odd"], "transport 'clashing' cannot"),
+        (["fly"], "the command 'fly' is broken: RuntimeError('no arguments today')"),
+    ):
+        done = run(*arguments, path=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+        assert complaint in done.stderr
+
+
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-", "1>&- 2>&-"])
+def test_closed_standard_streams_are_no_reason_to_fail(closed: str) -> None:
+    code = "import sys; from rosbase.cli import main; sys.exit(main())"
+    command = f"exec '{sys.executable}' -c '{code}' plugins {closed}"
+    done = subprocess.run(command, shell=True, capture_output=True, timeout=30, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_full_disk_is_one_line_and_status_1() -> None:
+    code = "import sys; from rosbase.cli import main; sys.exit(main())"
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", code, "plugins"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stderr == "rosbase: cannot write: No space left on device\n"
 
 
 LIGHT = """

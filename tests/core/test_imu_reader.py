@@ -225,7 +225,7 @@ def test_a_device_that_cannot_be_had_is_failure_in_one_line(
     rig = rigs(failure=DeviceNotFoundError("/dev/x is not there"))
     assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
     assert rig.reader.get_state() is State.UNCONFIGURED
-    assert caplog.messages == ["cannot configure: /dev/x is not there"]
+    assert caplog.messages == ["configure failed, now unconfigured: /dev/x is not there"]
     assert caplog.records[0].exc_info is None
     rig.registry.failure = None
     rig.activate()
@@ -324,6 +324,17 @@ def test_other_paths_with_their_unit_replace_those_of_the_preset(
     ).activate()
     ((_, message),) = rig.send({**GOOD, "gx": 0, "gy": 0, "gz": 90})
     assert message.angular_velocity.z == pytest.approx(1.5708, abs=1e-4)
+
+
+def test_an_empty_list_takes_away_what_the_preset_says(rigs: Callable[..., Rig]) -> None:
+    accel_only = payload(orientation=None, angular_velocity=None)
+    ((topic, message),) = rigs(**{"mapping.required": []}).activate().send(accel_only)
+    assert (topic, message.angular_velocity_covariance[0]) == ("data_raw", -1.0)
+    ((topic, _),) = rigs(**{"mapping.orientation.paths": []}).activate().send(GOOD_FRAME)
+    assert topic == "data_raw"
+    untagged = {"ax": 0, "ay": 0, "az": 9.8, "gx": 0, "gy": 0, "gz": 0}
+    rig = rigs(preset="waveshare_ugv", **{"mapping.select": []}).activate()
+    assert len(rig.send(untagged)) == 1
 
 
 def test_the_topics_can_be_moved_together(rigs: Callable[..., Rig]) -> None:

@@ -47,6 +47,7 @@ def test_text_becomes_a_value_of_the_parameter(
         (BAUD, "0", "parameter baudrate is at least 1, not 0"),
         (BAUD, "9" * 5000, "parameter baudrate takes a whole number"),
         (BAUD, "9" * 300, "parameter baudrate is at most"),
+        (BAUD, "9" * 390, "parameter baudrate is at most"),
         (TIMEOUT, "nan", "parameter timeout takes a number, not 'nan'"),
         (TIMEOUT, "1e999", "parameter timeout must be finite, not inf"),
         (TIMEOUT, "9" * 390, "parameter timeout is too large"),

@@ -1,6 +1,7 @@
 """Hypothesis strategies: their one home."""
 
 import json
+import math
 from itertools import pairwise
 
 from hypothesis import strategies as st
@@ -48,7 +49,31 @@ payloads = st.fixed_dictionaries(
     },
 )
 
-frames = st.binary(max_size=200) | (payloads | json_values).map(lambda p: json.dumps(p).encode())
+reals = st.floats(-1e3, 1e3) | st.integers(-1000, 1000)
+
+
+@st.composite
+def good_payloads(draw: st.DrawFn) -> dict[str, object]:
+    """Payloads of the default shape that must become samples."""
+    payload: dict[str, object] = {
+        name: {axis: draw(reals) for axis in "xyz"}
+        for name in ("angular_velocity", "linear_acceleration")
+    }
+    direction = [draw(st.floats(-1, 1)) for _ in "xyzw"]
+    norm = math.hypot(*direction)
+    if norm > 0.1 and draw(st.booleans()):
+        # As firmware rounds it: to a few digits.
+        digits = draw(st.integers(2, 9))
+        unit = [round(number / norm, digits) for number in direction]
+        payload["orientation"] = dict(zip("xyzw", unit, strict=True))
+    if draw(st.booleans()):
+        payload["header"] = {"stamp": {"sec": draw(st.integers(0, 2**32)), "nanosec": 5}}
+    return payload
+
+
+frames = st.binary(max_size=200) | (payloads | good_payloads() | json_values).map(
+    lambda p: json.dumps(p).encode()
+)
 
 
 @st.composite

@@ -88,6 +88,9 @@ class ScriptedRegistry:
     def transport(self, name: str) -> TransportPlugin:
         return self._plugin if name == "scripted" else self._registry.transport(name)
 
+    def is_ours(self, kind: str, name: str) -> bool:
+        return False
+
     def preset(self, name: str) -> Any:
         return self._registry.preset(name)
 

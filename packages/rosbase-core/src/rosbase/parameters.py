@@ -171,12 +171,16 @@ def _to_float(spec: ParameterSpec, value: float) -> float:
 
 
 def _check_number(spec: ParameterSpec, number: float) -> None:
-    if not math.isfinite(number):
+    if isinstance(number, float) and not math.isfinite(number):
         raise ParameterError(f"parameter {spec.name} must be finite, not {number}")
     if spec.minimum is not None and number < spec.minimum:
-        raise ParameterError(f"parameter {spec.name} is at least {spec.minimum:g}, not {number:g}")
+        raise ParameterError(
+            f"parameter {spec.name} is at least {spec.minimum:g}, not {_shown(number)}"
+        )
     if spec.maximum is not None and number > spec.maximum:
-        raise ParameterError(f"parameter {spec.name} is at most {spec.maximum:g}, not {number:g}")
+        raise ParameterError(
+            f"parameter {spec.name} is at most {spec.maximum:g}, not {_shown(number)}"
+        )
 
 
 def _wrong_type(spec: ParameterSpec, value: object) -> ParameterError:

@@ -1,6 +1,7 @@
 """From the bytes of a frame to the payload in it. Never raises."""
 
 import json
+import re
 
 from rosbase.imu.rejects import Reject
 
@@ -8,6 +9,9 @@ __all__ = ["decode_payload"]
 
 _decode = json.JSONDecoder().decode
 
+# Boot messages such as `[E][Wire.cpp:513]` begin with a bracket too.
+_JSON_START = re.compile(r"\{|\[\s*[-0-9\"\[{\]tfn]")
+_ELEMENT = re.compile(r"-?[0-9][0-9.eE+-]*,", re.ASCII)
 _BRACKETS = frozenset({"{", "}", "[", "]", "},", "],"})
 
 
@@ -24,6 +28,8 @@ def decode_payload(frame: bytes) -> object:
     try:
         payload = _decode(text)
     except json.JSONDecodeError as error:
+        if text.startswith("\ufeff"):
+            return decode_payload(text[1:].encode())
         return _reject_text(text.strip(), error)
     except RecursionError:
         return Reject("too_deep")
@@ -36,9 +42,10 @@ def decode_payload(frame: bytes) -> object:
 
 
 def _reject_text(text: str, error: json.JSONDecodeError) -> Reject:
-    member = text.startswith('"') and ":" in text and not text.endswith("}")
-    if text in _BRACKETS or member:
+    # The end of a line whose beginning was missed closes more than it opens.
+    member = text.startswith('"') and ":" in text and text.count("}") <= text.count("{")
+    if text in _BRACKETS or member or _ELEMENT.fullmatch(text):
         return Reject("multi_line")
-    if text.startswith(("{", "[")):
+    if _JSON_START.match(text):
         return Reject("bad_json", f"{error.msg} at column {error.colno}")
     return Reject("not_data")

@@ -39,12 +39,13 @@ def compile_time(paths: Sequence[Path], unit: str) -> TimeReader:
     units = [TIME_UNITS[unit]] if len(paths) == 1 else [TIME_UNITS["s"], TIME_UNITS["ns"]]
 
     def read(payload: object) -> int | None:
-        total = 0
-        for path, unit_ns in zip(paths, units, strict=True):
-            part = _to_ns(resolve(payload, path), unit_ns)
-            if part is None:
-                return None
-            total += part
+        parts = [
+            _to_ns(resolve(payload, path), unit_ns)
+            for path, unit_ns in zip(paths, units, strict=True)
+        ]
+        if None in parts or (len(parts) == 2 and not 0 <= (parts[1] or 0) < TIME_UNITS["s"]):
+            return None
+        total = sum(part for part in parts if part is not None)
         return total if _EARLIEST_NS <= total < _LATEST_NS else None
 
     return read

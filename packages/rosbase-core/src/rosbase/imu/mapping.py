@@ -13,11 +13,14 @@ from rosbase.imu.quantities import QuantityReader, compile_quantity, unit_quater
 from rosbase.imu.rejects import Reject
 from rosbase.imu.units import UNITS, unit_factor
 
-__all__ = ["GROUPS", "ImuMapping", "Sample", "SampleReader"]
+__all__ = ["GROUPS", "MAX_TOLERANCE", "VECTORS", "ImuMapping", "Sample", "SampleReader"]
 
 VECTORS = tuple(UNITS)
 GROUPS = ("orientation", *VECTORS)
 """The quantities that a payload may hold."""
+
+MAX_TOLERANCE = 0.5
+"""A quaternion whose norm is farther from 1 is something else, such as zero."""
 
 _AXES = {"orientation": 4, **dict.fromkeys(VECTORS, 3)}
 
@@ -75,6 +78,8 @@ class ImuMapping:
         Raises:
             MappingError: The description contradicts itself or lacks something.
         """
+        if not 0.0 <= self.quaternion_tolerance <= MAX_TOLERANCE:
+            raise MappingError(f"mapping.quaternion_tolerance is from 0 to {MAX_TOLERANCE}")
         readers = {group: self._quantity(group) for group in GROUPS}
         self._check_required(readers)
         return _sample_reader(
@@ -89,12 +94,15 @@ class ImuMapping:
         texts: tuple[str, ...] = getattr(self, f"{group}_paths")
         if not texts:
             return None
-        paths = _expand(group, [parse_path(text) for text in texts])
+        parsed = [parse_path(text) for text in texts]
+        paths, whole = _expand(group, parsed), parsed[0] if len(parsed) == 1 else None
         if group == "orientation":
             paths, factor = self._in_xyzw(paths), 1.0
         else:
             factor = unit_factor(group, getattr(self, f"{group}_unit"))
-        return compile_quantity(group, paths, factor, numeric_strings=self.numeric_strings)
+        return compile_quantity(
+            group, paths, factor, whole=whole, numeric_strings=self.numeric_strings
+        )
 
     def _in_xyzw(self, paths: list[Path]) -> list[Path]:
         if self.orientation_order not in ("xyzw", "wxyz"):
@@ -132,9 +140,10 @@ def _condition(text: str) -> tuple[Path, Any]:
     path, separator, wanted = text.partition("=")
     if not separator or not wanted.strip():
         raise MappingError(f"mapping.select takes conditions such as T=1002, not {text!r}")
-    value = decode_payload(f"[{wanted}]".encode())
-    # What is not JSON is a text without its quotes.
-    return parse_path(path.strip()), value[0] if isinstance(value, list) else wanted.strip()
+    value: Any = decode_payload(f"[{wanted}]".encode())
+    # What is not one value in JSON is a text without its quotes.
+    is_value = isinstance(value, list) and len(value) == 1
+    return parse_path(path.strip()), value[0] if is_value else wanted.strip()
 
 
 def _meets(payload: object, path: Path, wanted: Any) -> bool:

@@ -24,6 +24,7 @@ class _Missing:
 MISSING: Final = _Missing()
 """What a path leads to when there is nothing."""
 
+_INDEX = re.compile(r"0|[1-9]\d{0,8}", re.ASCII)
 _STEP = re.compile(r"[^.\[\]|]+")
 
 
@@ -40,7 +41,7 @@ def _parse_steps(alternative: str, text: str) -> Steps:
     steps = re.sub(r"\[(\d+)\]", r".\1", alternative).removeprefix(".").split(".")
     if not all(_STEP.fullmatch(step) for step in steps):
         raise MappingError(f"{text!r} is not a path such as accel.x or data[0]")
-    return tuple(int(step) if step.isascii() and step.isdigit() else step for step in steps)
+    return tuple(int(step) if _INDEX.fullmatch(step) else step for step in steps)
 
 
 def resolve(payload: object, path: Path) -> Any:

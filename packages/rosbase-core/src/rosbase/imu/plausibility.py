@@ -5,54 +5,44 @@ from rosbase.imu.units import STANDARD_GRAVITY
 __all__ = ["Plausibility"]
 
 _WINDOW = 50
-# At rest, the squared norm of the acceleration stays within 2 % over the window (noise of
-# cheap sensors is well below), and each angular rate within 0.05 in whatever unit it is.
-_STILL_RATIO = 0.02
-_STILL_RATE = 0.05
+# At rest, the norm of the acceleration varies by noise only: cheap sensors have a standard
+# deviation below 0.1 m/s^2. Turning the sensor does not change the norm of gravity.
+_STILL_RATIO = 0.04
+_STILL_STDDEV = 0.15
 # Offsets and scale errors of cheap sensors reach some per cent of g.
 _TOLERANCE = 0.15
 
 
 class Plausibility:
-    """Watches samples, and judges each window in which the sensor was at rest."""
+    """Watches the acceleration, and judges each window in which the sensor was at rest."""
 
-    __slots__ = ("_count", "_max", "_min", "_rate_max", "_rate_min", "_sum", "finding")
+    __slots__ = ("_count", "_squares", "_sum", "finding")
 
     def __init__(self) -> None:
         self.finding = ""
         """What is wrong with the acceleration at rest, in one line; empty if nothing."""
         self._count = 0
         self._sum = 0.0
-        self._min = self._rate_min = float("inf")
-        self._max = self._rate_max = float("-inf")
+        self._squares = 0.0
 
-    def add(
-        self, acceleration: tuple[float, ...], angular_velocity: tuple[float, ...] | None
-    ) -> None:
-        """Takes one sample: m/s^2 and rad/s."""
+    def add(self, acceleration: tuple[float, ...]) -> None:
+        """Takes the acceleration of one sample, in m/s^2."""
         x, y, z = acceleration
         squared = x * x + y * y + z * z
-        self._sum += squared
-        self._min = min(self._min, squared)
-        self._max = max(self._max, squared)
-        if angular_velocity is not None:
-            rate = sum(angular_velocity)
-            self._rate_min = min(self._rate_min, rate)
-            self._rate_max = max(self._rate_max, rate)
+        self._squares += squared
+        self._sum += squared**0.5
         self._count += 1
         if self._count == _WINDOW:
             self.finding = self._judge()
-            self._count, self._sum = 0, 0.0
-            self._min = self._rate_min = float("inf")
-            self._max = self._rate_max = float("-inf")
+            self._count, self._sum, self._squares = 0, 0.0, 0.0
 
     def _judge(self) -> str:
-        mean = self._sum / _WINDOW
-        # Without gravity there is only noise left, whose ratio says nothing.
-        still = self._max - self._min <= max(_STILL_RATIO * mean, 0.01)
-        if not still or self._rate_max - self._rate_min > _STILL_RATE:
+        norm = self._sum / _WINDOW
+        variance = max(0.0, self._squares / _WINDOW - norm * norm)
+        if variance**0.5 > max(_STILL_RATIO * norm, _STILL_STDDEV):
+            # It moves, which says nothing about what was found at rest.
             return self.finding
-        return _finding(mean**0.5)
+        return _finding(norm)
 
 
 def _finding(norm: float) -> str:

@@ -19,12 +19,21 @@ QuantityReader: TypeAlias = Callable[[object], Numbers | Reject | None]
 # As JSON writes numbers: Python's float() would also take 'nan', '1_0' and Arabic digits.
 _NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
 
+# Far beyond what any sensor measures, in any of the SI units: such a number is an error.
+_LARGEST = 1e9
+_LARGEST_SQUARE = _LARGEST * _LARGEST
+
 # Nearer to 1 than this is what rounding leaves, and is published as it was reported.
 _ROUNDING = 1e-6
 
 
 def compile_quantity(
-    name: str, paths: Sequence[Path], factor: float, *, numeric_strings: bool = False
+    name: str,
+    paths: Sequence[Path],
+    factor: float,
+    *,
+    whole: Path | None = None,
+    numeric_strings: bool = False,
 ) -> QuantityReader:
     """A reader for the numbers at `paths`.
 
@@ -32,6 +41,7 @@ def compile_quantity(
         name: The quantity, for messages.
         paths: Where the components are, in the order in which they are given back.
         factor: What each is multiplied by.
+        whole: Where the list is, if they are the elements of one; it must have no others.
         numeric_strings: Whether a text that is a JSON number counts as one.
     """
 
@@ -40,6 +50,8 @@ def compile_quantity(
         missing = sum(value is MISSING for value in found)
         if missing:
             return None if missing == len(found) else Reject("incomplete", name)
+        if whole is not None and _length(resolve(payload, whole)) not in (None, len(paths)):
+            return Reject("wrong_type", f"{name}: a list of another length")
         numbers: list[float] = []
         for value in found:
             number = _to_float(value, numeric_strings)
@@ -48,6 +60,8 @@ def compile_quantity(
             scaled = number * factor
             if not math.isfinite(scaled):
                 return Reject("non_finite", name)
+            if abs(scaled) > _LARGEST:
+                return Reject("out_of_range", name)
             numbers.append(scaled)
         return tuple(numbers)
 
@@ -67,14 +81,16 @@ def compile_quantity(
             numbers: Numbers = get_components(parent)
         except (KeyError, IndexError, TypeError):
             return read_carefully(payload)
+        if whole is not None and len(parent) != len(keys):
+            return read_carefully(payload)
         for number in numbers:
             if type(number) is not float:
                 return read_carefully(payload)
         if factor != 1.0:
             numbers = tuple([number * factor for number in numbers])
-        total = sum(numbers)
-        # Only a finite number minus itself is zero.
-        return numbers if total - total == 0.0 else read_carefully(payload)
+        squares = sum([number * number for number in numbers])
+        # Neither NaN nor an infinity is less than anything.
+        return numbers if squares < _LARGEST_SQUARE else read_carefully(payload)
 
     return read
 
@@ -103,6 +119,10 @@ def _shared_parent(paths: Sequence[Path]) -> tuple[tuple[str | int, ...], list[s
     if len(parents) != 1:
         return None
     return parents.pop(), [path[0][-1] for path in paths]
+
+
+def _length(value: object) -> int | None:
+    return len(value) if isinstance(value, list) else None
 
 
 def _to_float(value: object, numeric_strings: bool) -> float | Reject:

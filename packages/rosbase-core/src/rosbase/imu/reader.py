@@ -102,7 +102,7 @@ class ImuReader(LifecycleNode):
             transport = settings.transport.create(settings.transport_values, context)
             transport.open()
         except (ConfigurationError, TransportError) as error:
-            self.logger.error(f"cannot configure: {error}")
+            self.last_error = error
             return CallbackReturn.FAILURE
         self._replace_transport(transport)
         self._prepare(settings)
@@ -119,7 +119,7 @@ class ImuReader(LifecycleNode):
             self._transport.start(self._on_frame)
         except TransportError as error:
             self._transport.close()
-            self.logger.error(f"cannot activate: {error}")
+            self.last_error = error
             return CallbackReturn.FAILURE
         self._monitor = self.create_timer(_HEALTH_PERIOD_S, self._watch)
         return CallbackReturn.SUCCESS
@@ -201,7 +201,7 @@ class ImuReader(LifecycleNode):
             self._drop(sample, frame)
             return
         if self._plausibility is not None and sample.linear_acceleration is not None:
-            self._plausibility.add(sample.linear_acceleration, sample.angular_velocity)
+            self._plausibility.add(sample.linear_acceleration)
             if self._refuses_implausible and self._plausibility.finding:
                 self._drop(Reject("implausible", self._plausibility.finding), frame)
                 return

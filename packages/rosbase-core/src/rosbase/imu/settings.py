@@ -5,24 +5,29 @@ from typing import Any
 
 from attrs import frozen
 
-from rosbase.errors import ParameterError
+from rosbase.errors import NotInstalledError, ParameterError
 from rosbase.imu.covariance import covariance_of
-from rosbase.imu.mapping import GROUPS, VECTORS, ImuMapping
+from rosbase.imu.mapping import GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
 from rosbase.imu.presets import DEFAULT_PRESET
 from rosbase.messages import Covariance
-from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue
-from rosbase.plugins import PluginRegistry, TransportPlugin
+from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue, check_value
+from rosbase.plugins import PluginRegistry, PresetPlugin, TransportPlugin
 
 __all__ = [
+    "AS_PRESET",
     "DEFAULT_TRANSPORT",
     "READER_PARAMETERS",
     "ReaderSettings",
     "read_settings",
     "reader_parameters",
+    "transport_clashes",
 ]
 
 DEFAULT_TRANSPORT = "serial"
 """What `comm_t` is where nothing else is said."""
+
+AS_PRESET = "<preset>"
+"""The value of a mapping parameter that leaves it to the preset."""
 
 _MAPPING = "mapping."
 
@@ -31,8 +36,12 @@ def _text(name: str, default: str, description: str, *choices: str) -> Parameter
     return ParameterSpec(name, default, description, choices=choices)
 
 
-def _texts(name: str, description: str) -> ParameterSpec:
-    return ParameterSpec(name, [], description, kind=ParameterKind.STRING_ARRAY)
+def _preset_texts(name: str, description: str) -> ParameterSpec:
+    return ParameterSpec(name, [AS_PRESET], description, kind=ParameterKind.STRING_ARRAY)
+
+
+def _preset_text(name: str, description: str) -> ParameterSpec:
+    return ParameterSpec(name, AS_PRESET, description)
 
 
 def _stddev(quantity: str, unit: str) -> ParameterSpec:
@@ -46,15 +55,17 @@ def _stddev(quantity: str, unit: str) -> ParameterSpec:
 
 
 def _mapping_parameters() -> Iterable[ParameterSpec]:
-    yield _texts("mapping.select", "conditions that a payload must meet, such as T=1002")
-    yield _texts("mapping.required", "quantities without which a sample is refused")
+    yield _preset_texts("mapping.select", "conditions that a payload must meet, such as T=1002")
+    yield _preset_texts("mapping.required", "quantities without which a sample is refused")
     for group in GROUPS:
-        yield _texts(f"mapping.{group}.paths", f"where the components of the {group} are")
+        yield _preset_texts(f"mapping.{group}.paths", f"where the components of the {group} are")
     for group in VECTORS:
-        yield _text(f"mapping.{group}.unit", "", f"the unit of the {group}")
-    yield _text("mapping.orientation.order", "", "order of the quaternion: xyzw or wxyz")
-    yield _texts("mapping.time.paths", "where the time is: one path, or seconds and nanoseconds")
-    yield _text("mapping.time.unit", "", "the unit of a lone time value: s, ms, us or ns")
+        yield _preset_text(f"mapping.{group}.unit", f"the unit of the {group}")
+    yield _preset_text("mapping.orientation.order", "order of the quaternion: xyzw or wxyz")
+    yield _preset_texts(
+        "mapping.time.paths", "where the time is: one path, or seconds and nanoseconds"
+    )
+    yield _preset_text("mapping.time.unit", "the unit of a lone time value: s, ms, us or ns")
     yield ParameterSpec(
         "mapping.numeric_strings",
         default=False,
@@ -65,7 +76,7 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
         0.05,
         "how far from 1 the norm of an orientation may be",
         minimum=0.0,
-        maximum=1.0,
+        maximum=MAX_TOLERANCE,
     )
 
 
@@ -109,6 +120,13 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
 """Those of every reader; transports add theirs."""
 
 
+_PRESETTABLE = {
+    spec.name: spec
+    for spec in READER_PARAMETERS
+    if spec.name.startswith(_MAPPING) and spec.default in (AS_PRESET, [AS_PRESET])
+}
+
+
 @frozen
 class ReaderSettings:
     """What the parameters say, checked and ready to use."""
@@ -125,19 +143,30 @@ class ReaderSettings:
     """By quantity; for those that a sample has."""
 
 
-def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
-    """The parameters of a reader with the transports that are installed.
+def transport_clashes(registry: PluginRegistry) -> dict[str, str]:
+    """Transports that cannot be used, because a parameter of theirs means something else here.
 
-    Raises:
-        ParameterError: Two plugins mean different things by one name.
+    Returns:
+        The reason, by the name of the transport. One of this project's wins over others.
     """
+    owners = {spec.name: (spec, "the reader") for spec in READER_PARAMETERS}
+    clashes: dict[str, str] = {}
+    ordered = sorted(registry.transports, key=lambda name: not registry.is_ours("transport", name))
+    for name in ordered:
+        for spec in registry.transports[name].parameters:
+            known, owner = owners.setdefault(spec.name, (spec, f"transport '{name}'"))
+            if known != spec:
+                clashes[name] = f"its parameter {spec.name} is another than that of {owner}"
+    return clashes
+
+
+def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
+    """The parameters of a reader with the transports that are installed."""
+    clashes = transport_clashes(registry)
     specs = {spec.name: spec for spec in READER_PARAMETERS}
-    for transport in registry.transports.values():
-        for spec in transport.parameters:
-            if specs.setdefault(spec.name, spec) != spec:
-                raise ParameterError(
-                    f"transport {transport.name} has another parameter {spec.name} than others"
-                )
+    for name, transport in registry.transports.items():
+        if name not in clashes:
+            specs |= {spec.name: spec for spec in transport.parameters}
     return list(specs.values())
 
 
@@ -151,10 +180,13 @@ def read_settings(
     """
     get: Callable[[str], Any] = value_of
     transport = registry.transport(get("comm_t"))
+    clash = transport_clashes(registry).get(transport.name)
+    if clash is not None:
+        raise NotInstalledError(f"transport '{transport.name}' cannot be used: {clash}")
     settings = ReaderSettings(
         transport=transport,
         transport_values={spec.name: get(spec.name) for spec in transport.parameters},
-        mapping=_mapping(registry.preset(get("preset")).values, get),
+        mapping=_mapping(registry.preset(get("preset")), get),
         frame_id=get("frame_id"),
         topic_namespace=get("topic_namespace"),
         uses_device_time=get("time_source") == "device",
@@ -168,24 +200,34 @@ def read_settings(
     return settings
 
 
-def _mapping(preset: Mapping[str, ParameterValue], get: Callable[[str], Any]) -> ImuMapping:
+def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
     """The preset, with what the parameters say in its place.
 
     A unit or an order is never inherited by other paths than those it was stated for.
     """
-    given = {
-        spec.name.removeprefix(_MAPPING): get(spec.name)
-        for spec in READER_PARAMETERS
-        if spec.name.startswith(_MAPPING) and get(spec.name) != spec.default
-    }
-    values: dict[str, Any] = dict(preset)
-    for key in given:
-        if key.endswith(".paths"):
-            values.pop(key.replace(".paths", ".unit"), None)
-            values.pop(key.replace(".paths", ".order"), None)
+    values = _preset_values(preset)
+    given = {name: get(name) for name in _PRESETTABLE if get(name) not in (AS_PRESET, [AS_PRESET])}
+    for name in given:
+        if name.endswith(".paths"):
+            values.pop(name.replace(".paths", ".unit"), None)
+            values.pop(name.replace(".paths", ".order"), None)
     values |= given
     fields: dict[str, Any] = {
-        key.replace(".", "_"): tuple(value) if isinstance(value, list) else value
-        for key, value in values.items()
+        name.removeprefix(_MAPPING).replace(".", "_"): tuple(v) if isinstance(v, list) else v
+        for name, v in values.items()
     }
-    return ImuMapping(**fields)
+    return ImuMapping(
+        numeric_strings=get("mapping.numeric_strings"),
+        quaternion_tolerance=get("mapping.quaternion_tolerance"),
+        **fields,
+    )
+
+
+def _preset_values(preset: PresetPlugin) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for key, value in preset.values.items():
+        spec = _PRESETTABLE.get(f"{_MAPPING}{key}")
+        if spec is None:
+            raise ParameterError(f"preset '{preset.name}' is broken: nothing is called {key!r}")
+        values[spec.name] = check_value(spec, value)
+    return values
