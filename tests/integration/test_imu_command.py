@@ -133,7 +133,7 @@ def test_an_absent_device_is_waited_for_by_option(port: PluggablePort) -> None:
     ) as reader:
         reader.waits_for("is not there")
         port.plug()
-        reader.waits_for("is back")
+        reader.waits_for("is there")
 
         def is_reading() -> bool:
             port.write(GOOD_FRAME + b"\n")
@@ -210,8 +210,109 @@ def test_a_signal_at_any_early_moment_ends_it_without_a_traceback(
     port: PluggablePort, signum: int
 ) -> None:
     port.plug()
+    for delay_ms in range(30, 330, 20):
+        with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
+            # Not to wait for something, but to come at another moment each time.
+            time.sleep(delay_ms / 1000)
+            status = reader.end(signum)
+        assert status in (0, -signum)
+        assert reader.err.count("Traceback") == 0, reader.err.lines
     with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
         reader.waits_for("opened")
         assert reader.end(signum) == 0
-    assert "Traceback" not in reader.err
     assert "published 0" in reader.out
+
+
+@pytest.mark.parametrize("ending", ["signal", "duration"])
+def test_a_pipe_that_nobody_empties_does_not_hold_up_the_end(
+    port: PluggablePort, ending: str
+) -> None:
+    port.plug()
+    more = ["--duration", "3"] if ending == "duration" else []
+    with subprocess.Popen(
+        [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo", *more],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as reader:
+        assert reader.stderr is not None
+        assert "opened" in reader.stderr.readline()
+        # Far more than a pipe holds.
+        for _ in range(1000):
+            port.write(GOOD_FRAME + b"\n")
+        if ending == "signal":
+            assert " Hz " in next(line for line in reader.stderr if " Hz " in line)
+            reader.terminate()
+        assert reader.wait(10) == 0
+        counts = summary_of(reader.stderr.read().splitlines())
+        assert counts["published"] > 900
+
+
+@pytest.mark.parametrize("command", ["imu", "demo"])
+def test_it_ends_quietly_when_nobody_reads_its_report(port: PluggablePort, command: str) -> None:
+    port.plug()
+    device = ["-p", f"device_path:={port.path}"] if command == "imu" else []
+    with subprocess.Popen(
+        [ROSBASE, command, *device], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as reader:
+        assert reader.stdout is not None
+        assert reader.stderr is not None
+        reader.stdout.readline()
+        reader.stdout.close()
+        assert reader.wait(20) == 0
+        assert "Traceback" not in reader.stderr.read()
+
+
+def test_it_ends_when_nobody_reads_the_samples_of_a_silent_device(port: PluggablePort) -> None:
+    port.plug()
+    with subprocess.Popen(
+        [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as reader:
+        assert reader.stdout is not None
+        assert reader.stderr is not None
+        assert "opened" in reader.stderr.readline()
+        reader.stdout.close()
+        assert reader.wait(10) == 0
+        assert "Traceback" not in reader.stderr.read()
+
+
+def test_a_magnetic_field_is_echoed_too(port: PluggablePort) -> None:
+    port.plug()
+    with RunningRosbase(
+        "imu", "-p", f"device_path:={port.path}", "-p", "preset:=custom", "--topic-echo",
+        "-p", "mapping.magnetic_field.paths:=m", "-p", "mapping.magnetic_field.unit:=uT",
+    ) as reader:  # fmt: skip
+        reader.waits_for("opened")
+
+        def arrives() -> bool:
+            port.write(b'{"m":[1,2,3]}\n')
+            return '"magnetic_field":' in reader.out
+
+        wait_until(arrives, "a magnetic field")
+        assert reader.end(signal.SIGINT) == 0
+
+
+def test_samples_on_a_full_disk_end_it_with_one_line(port: PluggablePort) -> None:
+    port.plug()
+    with (
+        open("/dev/full", "w") as full,
+        subprocess.Popen(
+            [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as reader,
+    ):
+        assert reader.stderr is not None
+
+        def has_ended() -> bool:
+            port.write(GOOD_FRAME + b"\n")
+            return reader.poll() is not None
+
+        wait_until(has_ended, "the end")
+        shown = reader.stderr.read().splitlines()
+    assert reader.returncode == 1
+    assert shown[-1] == "rosbase: cannot write: No space left on device"

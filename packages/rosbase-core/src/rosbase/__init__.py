@@ -1,11 +1,15 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS."""
 
-from rosbase.agent import BaseAgent
-from rosbase.handlers import BaseHandlers
-from rosbase.lifecycle import CallbackReturn, State
-from rosbase.lifecycle_node import LifecycleNode
-from rosbase.manager import BaseManager
-from rosbase.node import BaseNode
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rosbase.agent import BaseAgent
+    from rosbase.handlers import BaseHandlers
+    from rosbase.lifecycle import CallbackReturn, State
+    from rosbase.lifecycle_node import LifecycleNode
+    from rosbase.manager import BaseManager
+    from rosbase.node import BaseNode
 
 __all__ = [
     "BaseAgent",
@@ -16,3 +20,22 @@ __all__ = [
     "LifecycleNode",
     "State",
 ]
+
+_HOMES = {
+    "BaseAgent": "rosbase.agent",
+    "BaseHandlers": "rosbase.handlers",
+    "BaseManager": "rosbase.manager",
+    "BaseNode": "rosbase.node",
+    "CallbackReturn": "rosbase.lifecycle",
+    "LifecycleNode": "rosbase.lifecycle_node",
+    "State": "rosbase.lifecycle",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Imports each name when it is first asked for, so that the command line starts at once."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

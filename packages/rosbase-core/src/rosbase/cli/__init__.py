@@ -1,12 +1,10 @@
 """The command `rosbase`: thin; what it does is done by the floors below."""
 
-import os
+import signal
 import sys
-from collections.abc import Sequence
-
-from rosbase.cli.arguments import OneLineParser
-from rosbase.errors import RosbaseError
-from rosbase.plugins import installed_plugins
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 __all__ = ["main"]
 
@@ -16,50 +14,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     What a user can mend is one line on stderr and status 2, never a traceback.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    with _quiet_ctrl_c():
+        # Only now, when Ctrl-C during the imports does no harm any more.
+        from rosbase.cli.run import run
+
+        return run(list(sys.argv[1:] if argv is None else argv))
+
+
+@contextmanager
+def _quiet_ctrl_c() -> Iterator[None]:
+    """Lets Ctrl-C end the process without a traceback, until a run takes care of it itself."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
-        return _run(arguments)
-    except RosbaseError as error:
-        print(f"rosbase: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:
-        return 0
+        yield
     finally:
-        _forget_broken_stdout()
-
-
-def _run(arguments: list[str]) -> int:
-    commands = installed_plugins().commands
-    parser = OneLineParser(
-        prog="rosbase", description="A framework for robot applications, with or without ROS."
-    )
-    parser.add_argument("--version", action="store_true", help="print the version and end")
-    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for name, command in sorted(commands.items()):
-        subparser = subparsers.add_parser(name, help=command.summary, description=command.summary)
-        # Only the command that is asked for imports what it needs.
-        if name in arguments:
-            command.configure(subparser)
-    parsed = parser.parse_args(arguments)
-    if parsed.version:
-        print(_version())
-        return 0
-    if parsed.command is None:
-        parser.error(f"say what to do: {', '.join(sorted(commands))}; --help says more")
-    return commands[parsed.command].run(parsed)
-
-
-def _version() -> str:
-    from importlib.metadata import version
-
-    return f"rosbase-core {version('rosbase-core')}"
-
-
-def _forget_broken_stdout() -> None:
-    """Keeps the interpreter from complaining at exit about a pipe that nobody reads."""
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        signal.signal(signal.SIGINT, before)

@@ -4,7 +4,7 @@ import argparse
 import difflib
 import math
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -13,7 +13,14 @@ from attrs import frozen
 from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse_text
 
-__all__ = ["Given", "OneLineParser", "check_given", "positive_number", "read_given"]
+__all__ = [
+    "Given",
+    "OneLineParser",
+    "check_given",
+    "number_between",
+    "positive_number",
+    "read_given",
+]
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -25,7 +32,7 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def positive_number(text: str) -> float:
-    """The number that a user gave for a duration or a rate, for argparse."""
+    """The number that a user gave for a duration, for argparse."""
     try:
         number = float(text)
     except ValueError:
@@ -33,6 +40,18 @@ def positive_number(text: str) -> float:
     if not (math.isfinite(number) and number > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return number
+
+
+def number_between(least: float, most: float) -> Callable[[str], float]:
+    """What reads a positive number from `least` to `most`, for argparse."""
+
+    def read(text: str) -> float:
+        number = positive_number(text)
+        if not least <= number <= most:
+            raise argparse.ArgumentTypeError(f"{text!r} is not from {least:g} to {most:g}")
+        return number
+
+    return read
 
 
 @frozen
@@ -89,6 +108,8 @@ def _read_file(file: Path | None) -> dict[str, Any]:
         return _flatten(tomllib.loads(file.read_text(encoding="utf-8")))
     except OSError as error:
         raise ConfigurationError(f"{file}: {error.strerror}") from error
+    except RecursionError:
+        raise ConfigurationError(f"{file}: nested too deeply") from None
     except ValueError as error:
         # TOML's own errors and those of UTF-8 are both of this kind.
         raise ConfigurationError(f"{file}: {' '.join(str(error).split())}") from error
@@ -97,7 +118,7 @@ def _read_file(file: Path | None) -> dict[str, Any]:
 def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        if isinstance(value, dict):
+        if isinstance(value, dict) and value:
             flat |= _flatten(value, f"{prefix}{key}.")
         else:
             flat[f"{prefix}{key}"] = value

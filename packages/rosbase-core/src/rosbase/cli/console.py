@@ -3,7 +3,8 @@
 import logging
 import shutil
 import sys
-from typing import TextIO
+
+from rosbase.cli.output import Output
 
 __all__ = ["LiveLine", "log_to_stderr"]
 
@@ -15,31 +16,28 @@ _PLAIN_PERIOD_S = 1.0
 class LiveLine:
     """One line that is written over again on a terminal, and line after line elsewhere."""
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-        self._is_terminal = stream.isatty()
+    def __init__(self, output: Output) -> None:
+        self._output = output
         self._is_shown = False
 
     @property
     def period_s(self) -> float:
         """How often it is worth showing."""
-        return _TERMINAL_PERIOD_S if self._is_terminal else _PLAIN_PERIOD_S
+        return _TERMINAL_PERIOD_S if self._output.is_terminal else _PLAIN_PERIOD_S
 
     def show(self, text: str) -> None:
         """Shows the text in place of the one before."""
-        if self._is_terminal:
+        if self._output.is_terminal:
             width = shutil.get_terminal_size().columns - 1
-            self._stream.write(f"{_CLEAR}{text[:width]}")
+            self._output.write(f"{_CLEAR}{text[:width]}")
             self._is_shown = True
         else:
-            self._stream.write(f"{text}\n")
-        self._stream.flush()
+            self._output.write(f"{text}\n")
 
     def end(self) -> None:
         """Leaves the last text standing, and goes on below it."""
         if self._is_shown:
-            self._stream.write("\n")
-            self._stream.flush()
+            self._output.write("\n")
             self._is_shown = False
 
 
@@ -58,3 +56,5 @@ def log_to_stderr() -> None:
     logger.handlers[:] = [handler]
     logger.setLevel(logging.INFO)
     logger.propagate = False
+    # A log that nobody can read any more must not add complaints of its own.
+    logging.raiseExceptions = False

@@ -3,10 +3,10 @@
 import argparse
 from typing import Any
 
-from rosbase.cli.arguments import positive_number
+from rosbase.cli.arguments import number_between, positive_number
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.report import summary_lines
-from rosbase.cli.session import ReaderHandlers, ReaderManager
+from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
 from rosbase.errors import NotInstalledError
 from rosbase.imu.simulator import ImuSimulator
 from rosbase.parameters import ParameterValue
@@ -20,7 +20,11 @@ _DRAIN_S = 2.0
 def configure(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments."""
     parser.add_argument(
-        "--rate", type=positive_number, default=100.0, metavar="HZ", help="samples per second (100)"
+        "--rate",
+        type=number_between(0.01, 100_000.0),
+        default=100.0,
+        metavar="HZ",
+        help="samples per second (100)",
     )
     parser.add_argument(
         "--duration", type=positive_number, default=10.0, metavar="S", help="seconds to run (10)"
@@ -49,11 +53,12 @@ def run(arguments: argparse.Namespace) -> int:
             handlers_class=DemoHandlers,
             duration_s=arguments.duration,
         )
-        manager.start_main_loop_timer()
+        status = run_to_end(manager)
     finally:
         simulator.stop()
         device.close()
-    return 0 if 0 < simulator.sent == manager.reader.counts.published else 1
+    lost_some = not 0 < simulator.sent == manager.reader.counts.published
+    return status or int(lost_some)
 
 
 class DemoHandlers(ReaderHandlers):

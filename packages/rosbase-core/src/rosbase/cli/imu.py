@@ -1,12 +1,11 @@
 """`rosbase imu`: runs the reader on a device."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from rosbase.cli.arguments import check_given, positive_number, read_given
 from rosbase.cli.console import log_to_stderr
-from rosbase.cli.session import ReaderManager
+from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
 from rosbase.plugins import installed_plugins
 
@@ -58,8 +57,6 @@ def run(arguments: argparse.Namespace) -> int:
         parameters,
         backend=arguments.backend,
         echoes=arguments.topic_echo,
-        report_to=sys.stderr if arguments.topic_echo else sys.stdout,
         duration_s=arguments.duration,
     )
-    manager.start_main_loop_timer()
-    return 0
+    return run_to_end(manager)

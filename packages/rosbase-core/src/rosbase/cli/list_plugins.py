@@ -1,8 +1,10 @@
 """`rosbase plugins`: which plugins are installed, what they bring, and which of them failed."""
 
 import argparse
+from collections.abc import Mapping
 
-from rosbase.plugins import PluginRecord, installed_plugins
+from rosbase.imu.settings import transport_clashes
+from rosbase.plugins import PluginRecord, TransportPlugin, installed_plugins
 
 __all__ = ["configure", "run"]
 
@@ -13,18 +15,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints one line for each plugin."""
-    plugins = installed_plugins().plugins
-    width = max((len(record.name) for record in plugins), default=0)
-    for record in plugins:
-        status = "failed" if record.failure else "active"
+    registry = installed_plugins()
+    clashes = transport_clashes(registry)
+    width = max((len(record.name) for record in registry.plugins), default=0)
+    for record in registry.plugins:
+        failure = record.failure or _clash(record, clashes)
+        status = "failed" if failure else "active"
         origin = f"{record.distribution} {record.version}"
-        print(f"{record.name:{width}}  {status}  {origin}  {_what(record)}")
+        print(f"{record.name:{width}}  {status}  {origin}  {failure or _what(record)}")
     return 0
 
 
+def _clash(record: PluginRecord, clashes: Mapping[str, str]) -> str:
+    names = [d.name for d in record.descriptors if d.kind == TransportPlugin.kind]
+    return next((clashes[name] for name in names if name in clashes), "")
+
+
 def _what(record: PluginRecord) -> str:
-    if record.failure:
-        return record.failure
     brought: dict[str, list[str]] = {}
     for descriptor in record.descriptors:
         brought.setdefault(descriptor.kind, []).append(descriptor.name)

@@ -2,22 +2,22 @@
 
 import json
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import attrs
 
 from rosbase.histogram import Histogram
-from rosbase.messages import Imu
+from rosbase.messages import Imu, MagneticField
 from rosbase.node import BaseNode
 
-__all__ = ["SampleMonitor", "imu_to_json"]
+__all__ = ["SampleMonitor", "message_to_json"]
 
 # Ten seconds of a fast IMU, for a terminal or a pipe that stalls.
 _DEPTH = 10_000
 
 
-def imu_to_json(message: Imu) -> str:
-    """The message as one line of JSON, with the names of sensor_msgs/Imu."""
+def message_to_json(message: Imu | MagneticField) -> str:
+    """The message as one line of JSON, with the names that sensor_msgs gives its fields."""
     return json.dumps(attrs.asdict(message), separators=(",", ":"), allow_nan=False)
 
 
@@ -36,13 +36,15 @@ class SampleMonitor(BaseNode):
         super().__init__(manager, *args, **kwargs)
         self._now_ns = self.get_clock().now_ns
         self._echo = echo
-        self.last: Imu | None = None
+        self.last: Imu | MagneticField | None = None
         """The last sample."""
         self.latency = Histogram()
         """Nanoseconds from the stamp of each sample to its arrival here."""
         self._subscriptions = [
-            self.create_subscription(Imu, f"{topic_namespace}/{name}", self._take, _DEPTH)
-            for name in ("data", "data_raw")
+            self.create_subscription(
+                cast("type[Any]", kind), f"{topic_namespace}/{name}", self._take, _DEPTH
+            )
+            for name, kind in (("data", Imu), ("data_raw", Imu), ("mag", MagneticField))
         ]
 
     @property
@@ -50,8 +52,8 @@ class SampleMonitor(BaseNode):
         """Samples that were published and did not get here in time."""
         return sum(subscription.dropped for subscription in self._subscriptions)
 
-    def _take(self, message: Imu) -> None:
+    def _take(self, message: Imu | MagneticField) -> None:
         self.latency.record(self._now_ns() - message.header.stamp.nanoseconds)
         self.last = message
         if self._echo is not None:
-            self._echo(imu_to_json(message))
+            self._echo(message_to_json(message))

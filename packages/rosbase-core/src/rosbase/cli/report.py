@@ -7,7 +7,7 @@ from rosbase.histogram import Histogram
 from rosbase.imu.health import HealthLevel
 from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import State
-from rosbase.messages import Imu
+from rosbase.messages import Imu, MagneticField
 
 __all__ = ["status_line", "summary_lines"]
 
@@ -55,7 +55,10 @@ def _ms(latency: Histogram, percent: float) -> float:
     return latency.percentile(percent) / 1e6
 
 
-def _sample(message: Imu) -> str:
+def _sample(message: Imu | MagneticField) -> str:
+    if isinstance(message, MagneticField):
+        field = message.magnetic_field
+        return f"mag {field.x * 1e6:8.2f} {field.y * 1e6:8.2f} {field.z * 1e6:8.2f} uT"
     a, w = message.linear_acceleration, message.angular_velocity
     return (
         f"accel {a.x:6.2f} {a.y:6.2f} {a.z:6.2f} m/s^2  gyro {w.x:6.2f} {w.y:6.2f} {w.z:6.2f} rad/s"

@@ -2,11 +2,12 @@
 
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, TextIO, TypeAlias
+from typing import Any, TypeAlias
 
 from rosbase.backend import BackendOptions
 from rosbase.cli.console import LiveLine
 from rosbase.cli.monitor import SampleMonitor
+from rosbase.cli.output import Output
 from rosbase.cli.report import status_line, summary_lines
 from rosbase.connection import open_backend
 from rosbase.handlers import BaseHandlers
@@ -15,9 +16,12 @@ from rosbase.lifecycle import State
 from rosbase.manager import BaseManager
 from rosbase.parameters import ParameterValue
 
-__all__ = ["ReaderHandlers", "ReaderManager"]
+__all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
 
 _TICKS_HZ = 20.0
+
+# How long a reader that has stopped reading holds up the end.
+_LAST_FLUSH_S = 0.5
 
 Echo: TypeAlias = Callable[[str], object]
 
@@ -43,6 +47,7 @@ class ReaderHandlers(BaseHandlers):
         now_ns = self._monotonic_ns()
         if self._start_ns is None:
             self._start_ns = self._shown_ns = now_ns
+        self.manager.flush()
         if now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9:
             self._show(now_ns)
         if self._duration_s is not None and now_ns - self._start_ns >= self._duration_s * 1e9:
@@ -66,7 +71,6 @@ class ReaderManager(BaseManager):
         backend: str | None = None,
         handlers_class: type[ReaderHandlers] = ReaderHandlers,
         echoes: bool = False,
-        report_to: TextIO | None = None,
         **kwargs: Any,
     ) -> None:
         """Builds the run.
@@ -76,12 +80,12 @@ class ReaderManager(BaseManager):
             backend: Its name.
             handlers_class: What decides when the run ends.
             echoes: Whether stdout gets every sample, as a line of JSON.
-            report_to: Where the live line and the summary go.
             kwargs: For the handlers, such as `duration_s`.
         """
-        self._report_to = report_to or sys.stdout
-        self.live_line = LiveLine(self._report_to)
-        self._has_reader_of_echo = True
+        # With the samples on stdout, everything else goes to stderr.
+        self._samples = Output(sys.stdout) if echoes else None
+        self._report = Output(sys.stderr if echoes else sys.stdout)
+        self.live_line = LiveLine(self._report)
         super().__init__(
             node_name=DEFAULT_NODE_NAME,
             nodes_dict={DEFAULT_NODE_NAME: ImuReader, "monitor": SampleMonitor},
@@ -110,9 +114,21 @@ class ReaderManager(BaseManager):
         while self.backend.spin_once(0.0):
             pass
         self.live_line.end()
-        for line in self.summary():
-            print(line, file=self._report_to)
-        self._report_to.flush()
+        self._report.write("".join(f"{line}\n" for line in self.summary()))
+        for output in self._outputs():
+            output.flush(_LAST_FLUSH_S)
+
+    def flush(self) -> None:
+        """Writes what waits to be written; ends the run when nobody is left to read it."""
+        for output in self._outputs():
+            output.flush(0.0)
+            if output.is_gone:
+                self.request_stop()
+
+    @property
+    def output_error(self) -> str:
+        """Why something could not be written, if it could not."""
+        return next((output.error for output in self._outputs() if output.error), "")
 
     def summary(self) -> list[str]:
         """The lines at the end of the run."""
@@ -124,13 +140,18 @@ class ReaderManager(BaseManager):
         """Whether the reader is at work."""
         return self.reader.get_state() is State.ACTIVE
 
+    def _outputs(self) -> list[Output]:
+        return [self._report] if self._samples is None else [self._samples, self._report]
+
     def _print_sample(self, line: str) -> None:
-        if not self._has_reader_of_echo:
-            return
-        try:
-            sys.stdout.write(f"{line}\n")
-            sys.stdout.flush()
-        except BrokenPipeError:
-            # Whoever read has had enough, as `head` does.
-            self._has_reader_of_echo = False
-            self.request_stop()
+        assert self._samples is not None
+        self._samples.write(f"{line}\n")
+
+
+def run_to_end(manager: ReaderManager) -> int:
+    """Runs it; 0, or 1 with a line on stderr if what it had to say could not be written."""
+    manager.start_main_loop_timer()
+    if manager.output_error:
+        print(f"rosbase: cannot write: {manager.output_error}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,69 @@
+"""From a command line to the command that it names, and to its exit status."""
+
+import argparse
+import os
+import sys
+from importlib.metadata import version
+
+from rosbase.cli.arguments import OneLineParser
+from rosbase.cli.output import own_stdio
+from rosbase.errors import ConfigurationError, RosbaseError
+from rosbase.plugins import CommandPlugin, installed_plugins
+
+__all__ = ["run"]
+
+
+def run(arguments: list[str]) -> int:
+    """Runs the command; what a user can mend becomes one line and status 2."""
+    own_stdio()
+    try:
+        status = _run_command(arguments)
+        sys.stdout.flush()
+    except RosbaseError as error:
+        print(f"rosbase: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        # Whoever read has had enough, as `head` does. What is left must not be tried again.
+        _to_nowhere()
+        return 0
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        _to_nowhere()
+        print(f"rosbase: cannot write: {error.strerror}", file=sys.stderr)
+        return 1
+    return status
+
+
+def _run_command(arguments: list[str]) -> int:
+    commands = installed_plugins().commands
+    parser = OneLineParser(
+        prog="rosbase", description="A framework for robot applications, with or without ROS."
+    )
+    parser.add_argument("--version", action="store_true", help="print the version and end")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
+    wanted = next((word for word in arguments if not word.startswith("-")), None)
+    for name, command in sorted(commands.items()):
+        summary = command.summary.replace("%", "%%")
+        subparser = subparsers.add_parser(name, help=summary, description=summary)
+        # Only the command that is asked for imports what it needs.
+        if name == wanted:
+            _configure(command, subparser)
+    parsed = parser.parse_args(arguments)
+    if parsed.version:
+        print(f"rosbase-core {version('rosbase-core')}")
+        return 0
+    if parsed.command is None:
+        parser.error(f"say what to do: {', '.join(sorted(commands))}; --help says more")
+    return commands[parsed.command].run(parsed)
+
+
+def _configure(command: CommandPlugin, parser: argparse.ArgumentParser) -> None:
+    try:
+        command.configure(parser)
+    except Exception as error:
+        raise ConfigurationError(f"the command '{command.name}' is broken: {error!r}") from error
+
+
+def _to_nowhere() -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
