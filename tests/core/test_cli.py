@@ -19,7 +19,7 @@ def complaint(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     """The one line that a refused command line ends with."""
     status: object
     try:
-        status = main(arguments)
+        status = main(list(arguments))
     except SystemExit as end:
         status = end.code
     shown = capsys.readouterr()

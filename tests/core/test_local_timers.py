@@ -1,4 +1,5 @@
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -144,33 +145,39 @@ def test_a_flood_of_calls_does_not_starve_a_timer(
     assert len(fired) == 10
 
 
+class TrapClock(ManualClock):
+    """Does something at the n-th time that it is read by an executor that is not asleep yet."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.backend = LocalBackend(BackendOptions("robot", clock=self), Bus())
+        self.reads_left = 0
+        self.spring: Callable[[], object] | None = None
+
+    def monotonic_ns(self) -> int:
+        if self.spring is not None and not self.backend._executor._sleeping:
+            self.reads_left -= 1
+            if self.reads_left < 0:
+                spring, self.spring = self.spring, None
+                spring()
+        return super().monotonic_ns()
+
+
 def test_a_timer_set_while_the_spinner_falls_asleep_is_not_slept_over() -> None:
-    class Trap(ManualClock):
-        """Does something at the n-th time that it is read before the executor sleeps."""
-
-        reads_left = 0
-        spring: Callable[[], object] | None = None
-
-        def monotonic_ns(self) -> int:
-            if self.spring is not None and not backend._executor._sleeping:
-                self.reads_left -= 1
-                if self.reads_left < 0:
-                    spring, self.spring = self.spring, None
-                    spring()
-            return super().monotonic_ns()
-
-    clock = Trap()
-    backend = LocalBackend(BackendOptions("robot", clock=clock), Bus())
+    clock = TrapClock()
+    backend = clock.backend
     backend.create_timer(1000.0, print)
     late_ns: list[int] = []
 
     def set_timer() -> None:
-        set_ns = clock.elapsed_ns
-        timer = backend.create_timer(0.02, lambda: fired(timer, set_ns))
+        due_ns = clock.elapsed_ns + 20_000_000
+        own: list[Timer] = []
 
-    def fired(timer: Timer, set_ns: int) -> None:
-        late_ns.append(clock.elapsed_ns - set_ns - 20_000_000)
-        backend.destroy_timer(timer)
+        def fired() -> None:
+            late_ns.append(clock.elapsed_ns - due_ns)
+            backend.destroy_timer(own[0])
+
+        own.append(backend.create_timer(0.02, fired))
 
     for reads in range(8):
         clock.reads_left, clock.spring = reads, set_timer
@@ -178,6 +185,33 @@ def test_a_timer_set_while_the_spinner_falls_asleep_is_not_slept_over() -> None:
     assert len(late_ns) >= 4
     assert max(late_ns) == 0
     backend.close()
+
+
+def test_a_call_made_while_the_spinner_falls_asleep_is_not_slept_over(
+    backend: LocalBackend, clock: ManualClock
+) -> None:
+    executor = backend._executor
+    late_ns: list[int] = []
+
+    class Trap(deque[Callable[[], object]]):
+        """Somebody calls right after it was found empty for the n-th time."""
+
+        looks_left = 0
+
+        def __bool__(self) -> bool:
+            found = len(self) > 0
+            self.looks_left -= 1
+            if self.looks_left == -1 and not executor._sleeping:
+                due_ns = clock.elapsed_ns
+                executor.call_soon(lambda: late_ns.append(clock.elapsed_ns - due_ns))
+            return found
+
+    executor._ready = trap = Trap()
+    for looks in range(6):
+        trap.looks_left = looks
+        backend.spin_until(clock.elapsed_ns + 100_000_000, never)
+    assert late_ns
+    assert max(late_ns) == 0
 
 
 def test_cancelling_within_the_callback_holds(backend: LocalBackend) -> None:

@@ -1,10 +1,12 @@
 """`rosbase imu` as a process, on a real line that another program writes to."""
 
 import json
+import re
 import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -205,13 +207,26 @@ def test_it_ends_quietly_when_nobody_reads_its_output(port: PluggablePort) -> No
     assert "Exception" not in shown
 
 
+def our_code_runs(pid: int) -> bool:
+    """Whether the command has begun: Python ignores SIGPIPE and catches SIGINT, ours does not."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    masks = {
+        name: int(mask, 16)
+        for name, mask in re.findall(r"^(Sig\w+):\s(\w+)$", status, re.MULTILINE)
+    }
+    ignores_pipe = masks["SigIgn"] >> (signal.SIGPIPE - 1) & 1
+    catches_int = masks["SigCgt"] >> (signal.SIGINT - 1) & 1
+    return bool(ignores_pipe and not catches_int)
+
+
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_at_any_early_moment_ends_it_without_a_traceback(
     port: PluggablePort, signum: int
 ) -> None:
     port.plug()
-    for delay_ms in range(30, 330, 20):
+    for delay_ms in range(0, 300, 20):
         with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
+            wait_until(partial(our_code_runs, reader.process.pid), "Python's own start")
             # Not to wait for something, but to come at another moment each time.
             time.sleep(delay_ms / 1000)
             status = reader.end(signum)

@@ -1,34 +1,27 @@
 """The command `rosbase`: thin; what it does is done by the floors below."""
 
+# As little as can be: until `main` has begun, Ctrl-C is Python's, which prints a traceback.
 import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 
 __all__ = ["main"]
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: list[str] | None = None) -> int:
     """Runs a command line; gives the exit status.
 
-    What a user can mend is one line on stderr and status 2, never a traceback.
+    What a user can mend is one line on stderr and status 2, never a traceback. Ctrl-C
+    ends the process quietly, until a run takes care of it itself.
     """
-    with _quiet_ctrl_c():
-        # Only now, when Ctrl-C during the imports does no harm any more.
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    except ValueError:
+        # Not the main thread, which alone has to do with signals.
+        before = None
+    try:
         from rosbase.cli.run import run
 
-        return run(list(sys.argv[1:] if argv is None else argv))
-
-
-@contextmanager
-def _quiet_ctrl_c() -> Iterator[None]:
-    """Lets Ctrl-C end the process without a traceback, until a run takes care of it itself."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        yield
+        return run(sys.argv[1:] if argv is None else argv)
     finally:
-        signal.signal(signal.SIGINT, before)
+        if before is not None:
+            signal.signal(signal.SIGINT, before)
