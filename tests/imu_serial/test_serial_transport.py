@@ -388,15 +388,22 @@ def test_a_reader_that_fails_is_noticed_and_can_be_started_again(
 def test_a_port_is_not_lost_when_no_reader_can_be_made(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse() -> tuple[int, int]:
+    def no_pipe() -> tuple[int, int]:
         raise OSError(24, "Too many open files")
+
+    def no_thread(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
 
     rig.port.plug()
     transport = rig.transport()
     transport.open()
     with monkeypatch.context() as patch:
-        patch.setattr(os, "pipe", refuse)
+        patch.setattr(os, "pipe", no_pipe)
         with pytest.raises(OSError, match="Too many"):
+            transport.start(rig.keep)
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", no_thread)
+        with pytest.raises(RuntimeError, match="new thread"):
             transport.start(rig.keep)
     assert transport.is_open
     transport.start(rig.keep)

@@ -51,7 +51,7 @@ class ReaderThread:
         on_frame: OnFrame,
         tally: Tally,
     ) -> None:
-        """Starts reading `port`, or waiting for one."""
+        """Prepares to read `port`, or to wait for one."""
         self._config = config
         self._context = context
         self._on_frame = on_frame
@@ -69,6 +69,9 @@ class ReaderThread:
         """The port as long as there is one; whoever joins the thread takes it over."""
         self._has_lost_port = False
         self._thread = threading.Thread(target=self._run, name="imu-serial", daemon=True)
+
+    def start(self) -> None:
+        """Begins."""
         try:
             self._thread.start()
         except RuntimeError:

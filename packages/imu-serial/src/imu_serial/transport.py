@@ -67,11 +67,14 @@ class SerialTransport(Transport):
             if self._reader is not None:
                 return
             self.open()
-            self._reader = ReaderThread(
-                self._config, self._context, self._port, on_frame, self._tally
-            )
-            # From here on the port is the reader's.
-            self._port = None
+            reader = ReaderThread(self._config, self._context, self._port, on_frame, self._tally)
+            # Known before it runs: the first frame may make `on_frame` call us.
+            self._reader, self._port = reader, None
+            try:
+                reader.start()
+            except RuntimeError:
+                self._reader, self._port = None, reader.port
+                raise
             self._is_awaited = False
 
     def stop(self) -> None:

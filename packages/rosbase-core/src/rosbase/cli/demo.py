@@ -122,5 +122,5 @@ class DemoManager(ReaderManager):
         """The lines at the end of the run, and how many were sent and lost."""
         sent = self._simulator.sent
         lost = sent - self.reader.counts.received
-        lines = summary_lines(self.reader, self.monitor, measures_latency=True)
+        lines = summary_lines(self.reader, self.dropped, self.monitor.latency)
         return [f"sent {sent}", f"lost {lost}", *lines]

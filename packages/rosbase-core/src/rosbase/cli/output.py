@@ -6,10 +6,12 @@ import sys
 from collections import deque
 from typing import TextIO
 
+from rosbase.clock import Clock
+
 __all__ = ["Output", "own_stdio"]
 
-# Lines that wait for a slow reader; the oldest are dropped beyond that.
-_WAITING_LINES = 10_000
+# Texts that wait for a slow reader; the oldest are dropped beyond that.
+_WAITING_TEXTS = 10_000
 
 # A pipe that says it is ready takes this much without waiting (POSIX: PIPE_BUF is 512 or more,
 # and 4,096 on Linux).
@@ -29,9 +31,10 @@ class Output:
         self._fd = stream.fileno()
         self._poll = select.poll()
         self._poll.register(self._fd, select.POLLOUT)
+        self._begun = b""
         self._waiting: deque[bytes] = deque()
         self.dropped = 0
-        """Pieces of text that nobody took in time."""
+        """Texts that nobody took in time."""
         self.is_gone = False
         """Whether there is nobody left to read it."""
         self.error = ""
@@ -39,36 +42,45 @@ class Output:
 
     def write(self, text: str) -> None:
         """Writes the text, now or later."""
-        if len(self._waiting) >= _WAITING_LINES:
+        if len(self._waiting) >= _WAITING_TEXTS:
             self._waiting.popleft()
             self.dropped += 1
         self._waiting.append(text.encode())
-        self.flush(0.0)
+        self.flush()
 
-    def flush(self, timeout_s: float) -> None:
-        """Writes what waits; gives up when the stream takes nothing for so long."""
-        while not self.is_gone:
-            ready = self._poll.poll(timeout_s * 1000.0)
-            if any(event & (select.POLLERR | select.POLLNVAL) for _, event in ready):
-                self.is_gone = True
-            if not ready or not self._waiting:
-                return
-            self._write_piece()
+    def flush(self) -> None:
+        """Writes what waits, as far as the stream takes it at once."""
+        while self._write_piece(0.0):
+            pass
 
-    def _write_piece(self) -> None:
-        data = self._waiting.popleft()
-        try:
-            written = os.write(self._fd, data[:_PIECE_BYTES])
-        except BrokenPipeError:
+    def drain(self, seconds: float, clock: Clock) -> None:
+        """Writes what waits, for so long at most; what is left then is dropped."""
+        end_ns = clock.monotonic_ns() + int(seconds * 1e9)
+        while (left_ns := end_ns - clock.monotonic_ns()) > 0:
+            if not self._write_piece(left_ns / 1e9):
+                break
+        self.dropped += len(self._waiting)
+        self._waiting.clear()
+
+    def _write_piece(self, timeout_s: float) -> bool:
+        """Writes a piece of what waits, when the stream is ready; tells whether it did."""
+        has_text = bool(self._begun or self._waiting)
+        ready = self._poll.poll(timeout_s * 1000.0 if has_text else 0.0)
+        if any(event & (select.POLLERR | select.POLLNVAL) for _, event in ready):
             self.is_gone = True
+        if self.is_gone or not (ready and has_text):
+            return False
+        self._begun = self._begun or self._waiting.popleft()
+        try:
+            written = os.write(self._fd, self._begun[:_PIECE_BYTES])
         except BlockingIOError:
-            self._waiting.appendleft(data)
+            return False
         except OSError as error:
             self.is_gone = True
-            self.error = error.strerror or str(error)
-        else:
-            if written < len(data):
-                self._waiting.appendleft(data[written:])
+            self.error = "" if isinstance(error, BrokenPipeError) else str(error.strerror)
+            return False
+        self._begun = self._begun[written:]
+        return True
 
 
 def own_stdio() -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from rosbase.cli.monitor import SampleMonitor
 from rosbase.histogram import Histogram
 from rosbase.imu.health import HealthLevel
 from rosbase.imu.reader import ImuReader
@@ -12,8 +11,10 @@ from rosbase.messages import Imu, MagneticField
 __all__ = ["status_line", "summary_lines"]
 
 
-def status_line(reader: ImuReader, monitor: SampleMonitor, rate_hz: float) -> str:
-    """The state of the reader, its rate, and its last sample."""
+def status_line(
+    reader: ImuReader, last: Imu | MagneticField | None, dropped: int, rate_hz: float
+) -> str:
+    """The state of the reader, its rate, what was lost, and its last sample."""
     state = reader.get_state()
     if state is not State.ACTIVE:
         return state.label
@@ -22,19 +23,17 @@ def status_line(reader: ImuReader, monitor: SampleMonitor, rate_hz: float) -> st
         f"{rate_hz:7.1f} Hz",
         f"published {counts.published}",
         f"rejected {counts.rejected}",
-        f"dropped {monitor.dropped}",
+        f"dropped {dropped}",
     ]
-    if monitor.last is not None:
-        parts.append(_sample(monitor.last))
+    if last is not None:
+        parts.append(_sample(last))
     if reader.health.level is not HealthLevel.OK:
         parts.insert(0, f"{reader.health.level.name} {reader.health.message}")
     return "  ".join(parts)
 
 
-def summary_lines(
-    reader: ImuReader, monitor: SampleMonitor, *, measures_latency: bool
-) -> Iterator[str]:
-    """One count per line, the word first."""
+def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) -> Iterator[str]:
+    """One count per line, the word first; the latency in milliseconds, if it was measured."""
     counts = reader.counts
     yield f"received {counts.received}"
     yield f"published {counts.published}"
@@ -44,11 +43,11 @@ def summary_lines(
         yield f"{reason} {number}"
     if counts.time_unusable:
         yield f"time_unusable {counts.time_unusable}"
-    yield f"dropped {monitor.dropped}"
+    yield f"dropped {dropped}"
     yield f"reconnects {reader.transport_health.reconnects}"
-    if measures_latency and monitor.latency.count:
-        yield f"latency_p50_ms {_ms(monitor.latency, 50):.3f}"
-        yield f"latency_p99_ms {_ms(monitor.latency, 99):.3f}"
+    if latency is not None and latency.count:
+        yield f"latency_p50_ms {_ms(latency, 50):.3f}"
+        yield f"latency_p99_ms {_ms(latency, 99):.3f}"
 
 
 def _ms(latency: Histogram, percent: float) -> float:

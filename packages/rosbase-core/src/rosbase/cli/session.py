@@ -21,7 +21,7 @@ __all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
 _TICKS_HZ = 20.0
 
 # How long a reader that has stopped reading holds up the end.
-_LAST_FLUSH_S = 0.5
+_LAST_WRITE_S = 0.5
 
 Echo: TypeAlias = Callable[[str], object]
 
@@ -58,7 +58,9 @@ class ReaderHandlers(BaseHandlers):
         published = reader.counts.published
         rate_hz = (published - self._published) * 1e9 / (now_ns - self._shown_ns)
         self._published, self._shown_ns = published, now_ns
-        self.manager.live_line.show(status_line(reader, monitor, rate_hz))
+        self.manager.live_line.show(
+            status_line(reader, monitor.last, self.manager.dropped, rate_hz)
+        )
 
 
 class ReaderManager(BaseManager):
@@ -113,17 +115,24 @@ class ReaderManager(BaseManager):
         """Hands over what was published last, and reports."""
         while self.backend.spin_once(0.0):
             pass
+        if self._samples is not None:
+            self._samples.drain(_LAST_WRITE_S, self.backend.clock)
         self.live_line.end()
         self._report.write("".join(f"{line}\n" for line in self.summary()))
-        for output in self._outputs():
-            output.flush(_LAST_FLUSH_S)
+        self._report.drain(_LAST_WRITE_S, self.backend.clock)
 
     def flush(self) -> None:
         """Writes what waits to be written; ends the run when nobody is left to read it."""
         for output in self._outputs():
-            output.flush(0.0)
+            output.flush()
             if output.is_gone:
                 self.request_stop()
+
+    @property
+    def dropped(self) -> int:
+        """Samples that were published, and lost on the way to whoever wanted them."""
+        unread = self._samples.dropped if self._samples is not None else 0
+        return self.monitor.dropped + unread
 
     @property
     def output_error(self) -> str:
@@ -133,7 +142,8 @@ class ReaderManager(BaseManager):
     def summary(self) -> list[str]:
         """The lines at the end of the run."""
         measures_latency = not self.reader.settings.uses_device_time
-        return list(summary_lines(self.reader, self.monitor, measures_latency=measures_latency))
+        latency = self.monitor.latency if measures_latency else None
+        return list(summary_lines(self.reader, self.dropped, latency))
 
     @property
     def is_active(self) -> bool:
