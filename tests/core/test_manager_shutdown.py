@@ -1,0 +1,206 @@
+"""Up in order, down in reverse, and all of it whatever happens."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from typing import Any
+
+import pytest
+
+from rosbase import (
+    BaseHandlers,
+    BaseManager,
+    BaseNode,
+    CallbackReturn,
+    LifecycleNode,
+    State,
+)
+from support.roles import Camera, StopAfter, local_backend
+
+APP = """
+import sys
+from rosbase import BaseHandlers, BaseManager
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        if self.timestamp == 0:
+            print("running", flush=True)
+
+class App(BaseManager):
+    def release_resources(self):
+        print("released", flush=True)
+        {hang}
+
+App(handlers_class=Handlers).start_main_loop_timer()
+print("returned", flush=True)
+"""
+
+
+def test_every_step_of_the_shutdown_is_attempted_in_order() -> None:
+    done: list[str] = []
+
+    class Device(LifecycleNode):
+        autostart = "activate"
+
+        def on_deactivate(self, previous_state: State) -> CallbackReturn:
+            done.append("deactivate")
+            return CallbackReturn.SUCCESS
+
+        def on_cleanup(self, previous_state: State) -> CallbackReturn:
+            done.append("cleanup")
+            raise OSError("stuck")
+
+        def on_shutdown(self, previous_state: State) -> CallbackReturn:
+            done.append("shutdown")
+            return CallbackReturn.SUCCESS
+
+    class App(BaseManager):
+        def release_resources(self) -> None:
+            done.append("release")
+            raise ValueError("window")
+
+        def destroy_node(self) -> None:
+            done.append("destroy")
+            super().destroy_node()
+
+    app = App(nodes_dict={"device": Device}, handlers_class=StopAfter, backend=local_backend())
+    with pytest.raises(ValueError, match="window"):
+        app.start_main_loop_timer()
+    assert done == ["deactivate", "cleanup", "shutdown", "release", "destroy"]
+    assert app.nodes["device"].get_state() is State.FINALIZED
+
+
+def test_a_node_that_exits_does_not_keep_the_others_from_being_taken_down() -> None:
+    done: list[str] = []
+
+    class Quiet(LifecycleNode):
+        autostart = "activate"
+
+        def on_shutdown(self, previous_state: State) -> CallbackReturn:
+            done.append("quiet")
+            return CallbackReturn.SUCCESS
+
+    class Exits(LifecycleNode):
+        autostart = "activate"
+
+        def on_deactivate(self, previous_state: State) -> CallbackReturn:
+            raise SystemExit(3)
+
+    class App(BaseManager):
+        def release_resources(self) -> None:
+            done.append("release")
+
+    backend = local_backend()
+    app = App(
+        nodes_dict={"quiet": Quiet, "exits": Exits}, handlers_class=StopAfter, backend=backend
+    )
+    with pytest.raises(SystemExit):
+        app.start_main_loop_timer()
+    assert done == ["quiet", "release"]
+    assert app.nodes["exits"].get_state() is State.FINALIZED
+    assert backend._closed
+
+
+def test_a_node_that_is_up_already_is_left_up() -> None:
+    class Device(LifecycleNode):
+        autostart = "activate"
+
+    manager = BaseManager(
+        nodes_dict={"d": Device}, handlers_class=StopAfter, backend=local_backend()
+    )
+    manager.nodes["d"].trigger_configure()
+    manager.start_main_loop_timer()
+    assert manager.timestamp == 5
+
+
+def test_an_exception_in_user_code_cleans_up_and_is_raised() -> None:
+    class Bad(BaseHandlers):
+        def handle(self) -> None:
+            raise KeyError("target")
+
+    released: list[int] = []
+
+    class App(BaseManager):
+        def release_resources(self) -> None:
+            released.append(1)
+
+    with pytest.raises(KeyError, match="target"):
+        App(handlers_class=Bad, backend=local_backend()).start_main_loop_timer()
+    assert released == [1]
+
+
+def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    states: dict[str, State] = {}
+
+    class Look(StopAfter):
+        def handle(self) -> None:
+            states.update({name: node.get_state() for name, node in self.nodes.items()})
+            super().handle()
+
+    trace: list[str] = []
+
+    def device(name: str, answer: CallbackReturn) -> type[LifecycleNode]:
+        class Device(LifecycleNode):
+            autostart = "activate"
+
+            def on_activate(self, previous_state: State) -> CallbackReturn:
+                trace.append(f"{name} up")
+                return answer
+
+            def on_deactivate(self, previous_state: State) -> CallbackReturn:
+                trace.append(f"{name} down")
+                return CallbackReturn.SUCCESS
+
+        return Device
+
+    good, bad = CallbackReturn.SUCCESS, CallbackReturn.FAILURE
+    nodes = {"a": device("a", good), "b": device("b", good), "c": device("c", bad)}
+    manager = BaseManager(nodes_dict=nodes, handlers_class=Look, backend=local_backend())
+    manager.start_main_loop_timer()
+    assert trace == ["a up", "b up", "c up", "b down", "a down"]
+    assert "activate failed, now inactive: no reason" in caplog.text
+    assert "c" in states
+    assert states["c"] is State.UNCONFIGURED, "the one that failed gives back what it took"
+
+
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_stops_and_cleans_up_without_a_traceback(signum: int) -> None:
+    code = textwrap.dedent(APP).format(hang="pass")
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as app:
+        assert app.stdout is not None
+        assert app.stdout.readline() == "running\n"
+        app.send_signal(signum)
+        out, err = app.communicate(timeout=20)
+    assert (app.returncode, out, err) == (0, "released\nreturned\n", "")
+
+
+def test_a_second_signal_forces_the_end() -> None:
+    code = textwrap.dedent(APP).format(hang="import time; time.sleep(100)")
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as app:
+        assert app.stdout is not None
+        assert app.stdout.readline() == "running\n"
+        app.send_signal(signal.SIGINT)
+        assert app.stdout.readline() == "released\n"
+        app.send_signal(signal.SIGINT)
+        app.communicate(timeout=20)
+    assert app.returncode == 128 + signal.SIGINT
+    assert os.WIFEXITED(app.returncode << 8)
+
+
+def test_building_a_component_that_raises_closes_the_backend() -> None:
+    class Bad(BaseNode):
+        def __init__(self, **kwargs: Any) -> None:
+            raise ValueError("no camera")
+
+    backend = local_backend()
+    with pytest.raises(ValueError, match="no camera"):
+        BaseManager(nodes_dict={"camera": Camera, "bad": Bad}, backend=backend)
+    assert backend._closed

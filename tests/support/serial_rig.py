@@ -1,0 +1,72 @@
+"""A port that comes and goes, a transport on it, and the frames that came through."""
+
+import queue
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from imu_serial.config import SerialConfig
+from imu_serial.transport import SerialTransport
+from rosbase.clock import SystemClock
+from rosbase.logger import RosbaseLogger
+from rosbase.transport import TransportContext, TransportState
+from support.serial_port import PluggablePort
+from support.waiting import wait_until
+
+
+class SerialRig:
+    """A port, a transport on it, and the frames that came through."""
+
+    def __init__(self, folder: Path) -> None:
+        self.port = PluggablePort(folder)
+        self.frames: queue.Queue[tuple[bytes, int]] = queue.Queue()
+        self.made: list[SerialTransport] = []
+
+    def transport(self, *, wait: bool = False, path: Path | None = None) -> SerialTransport:
+        config = SerialConfig(str(path or self.port.path), 115_200, wait)
+        context = TransportContext(SystemClock(), RosbaseLogger("serial_test"))
+        self.made.append(SerialTransport(config, context))
+        return self.made[-1]
+
+    def keep(self, frame: bytes, stamp_ns: int) -> None:
+        self.frames.put((frame, stamp_ns))
+
+    def writes(self, data: bytes) -> bool:
+        self.port.write(data)
+        return True
+
+    def next(self) -> bytes:
+        return self.frames.get(timeout=20)[0]
+
+    def started(self) -> SerialTransport:
+        """A transport that has proved to read."""
+        self.port.plug()
+        transport = self.transport()
+        transport.open()
+        transport.start(self.keep)
+        self.prove()
+        return transport
+
+    def prove(self) -> None:
+        """Writes until the reader, which first discards what is old, hands something over."""
+
+        def arrived() -> bool:
+            self.port.write(b"proof\n")
+            try:
+                return self.frames.get(timeout=0.05)[0] == b"proof"
+            except queue.Empty:
+                return False
+
+        wait_until(arrived, "a line to come through")
+        self.port.write(b"last\n")
+        wait_until(lambda: self.next() == b"last", "the last proof")
+
+
+def wait_for_state(transport: SerialTransport, wanted: TransportState) -> None:
+    wait_until(lambda: transport.health.state is wanted, f"state {wanted}")
+
+
+def elapsed(call: Callable[[], object]) -> float:
+    start = time.monotonic()
+    call()
+    return time.monotonic() - start
