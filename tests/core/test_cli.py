@@ -11,7 +11,8 @@ import pytest
 from rosbase.cli import main
 from rosbase.cli.arguments import check_given, read_given
 from rosbase.errors import ConfigurationError
-from rosbase.imu.settings import READER_PARAMETERS
+from rosbase.imu.settings import READER_PARAMETERS, reader_parameters
+from rosbase.plugins import installed_plugins
 from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, install_plugin
 
 
@@ -243,5 +244,10 @@ def test_the_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[s
 
 def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["imu", "--list-parameters"]) == 0
-    assert "frame_id := 'imu_link'" in capsys.readouterr().out
+    lines = capsys.readouterr().out.splitlines()
+    assert "autostart:=activate  # how far the node is brought up by itself" in lines
+    assert any(line.startswith("mapping.numeric_strings:=false  #") for line in lines)
+    # What it shows can be given back.
+    shown = [line.partition("  #")[0] for line in lines if "=[]" not in line]
+    check_given(reader_parameters(installed_plugins()), read_given(shown, None))
     assert logging.getLogger("rosbase").handlers

@@ -16,6 +16,7 @@ from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse
 __all__ = [
     "Given",
     "OneLineParser",
+    "as_text",
     "check_given",
     "number_between",
     "positive_number",
@@ -91,6 +92,15 @@ def check_given(
         name: (parse_text if item.is_text else check_value)(_spec(known, name), item.value)
         for name, item in given.items()
     }
+
+
+def as_text(value: ParameterValue) -> str:
+    """The value as a user types it after `:=`."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return f"[{', '.join(str(item) for item in value)}]"
+    return str(value)
 
 
 def _spec(known: Mapping[str, ParameterSpec], name: str) -> ParameterSpec:

@@ -3,13 +3,17 @@
 import argparse
 from pathlib import Path
 
-from rosbase.cli.arguments import check_given, positive_number, read_given
+from rosbase.cli.arguments import as_text, check_given, positive_number, read_given
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
+from rosbase.parameters import ParameterValue
 from rosbase.plugins import installed_plugins
 
 __all__ = ["configure", "run"]
+
+# Here nobody else would bring the node up.
+_OWN_DEFAULTS: dict[str, ParameterValue] = {"autostart": "activate"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,13 +50,13 @@ def run(arguments: argparse.Namespace) -> int:
     specs = reader_parameters(registry)
     if arguments.list_parameters:
         for spec in specs:
-            print(f"{spec.name} := {spec.default!r}  {spec.description}")
+            value = as_text(_OWN_DEFAULTS.get(spec.name, spec.default))
+            print(f"{spec.name}:={value}  # {spec.description}")
         return 0
     given = read_given(arguments.assignments, arguments.params_file)
     # First, because a transport that is not installed leaves its parameters unknown.
     registry.transport(str(given["comm_t"].value) if "comm_t" in given else DEFAULT_TRANSPORT)
-    # Here nobody else would bring the node up.
-    parameters = {"autostart": "activate"} | check_given(specs, given)
+    parameters = _OWN_DEFAULTS | check_given(specs, given)
     manager = ReaderManager(
         parameters,
         backend=arguments.backend,
