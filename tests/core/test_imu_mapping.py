@@ -8,6 +8,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from rosbase.errors import MappingError
+from rosbase.imu import quantities
 from rosbase.imu.mapping import ImuMapping, Sample, SampleReader
 from rosbase.imu.presets import PRESETS
 from rosbase.imu.rejects import REASONS, Reject
@@ -85,16 +86,14 @@ def check_fit(sample: Sample) -> None:
         assert math.hypot(*sample.orientation) == pytest.approx(1.0, abs=2e-6)
 
 
-# An alternative in a path makes the reader take the careful way for every value.
-SLOW_PATHS: dict[str, Any] = {
-    f"{group}_paths": tuple(f"{group}.{axis}|{group}.{axis}" for axis in axes)
-    for group, axes in {
-        "orientation": "xyzw",
-        "angular_velocity": "xyz",
-        "linear_acceleration": "xyz",
-    }.items()
-}
-CAREFUL = mapping(**SLOW_PATHS).compile(device_time=True)
+def careful() -> SampleReader:
+    """A reader without the fast way."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(quantities, "_shared_parent", lambda paths: None)
+        return mapping().compile(device_time=True)
+
+
+CAREFUL = careful()
 
 
 @given(payloads | good_payloads())
@@ -182,6 +181,18 @@ def test_a_list_of_another_length_is_not_the_vector() -> None:
         assert reason(reader, {"a": numbers}) == "wrong_type"
         assert reason(reader, {"b": numbers}) == "wrong_type"
     assert read(reader, {"a": [0.0, 0.0, 1.0]}).linear_acceleration == (0.0, 0.0, 9.80665)
+
+
+def test_alternatives_belong_together() -> None:
+    reader = mapping(
+        linear_acceleration_paths=("new.x|old.x", "new.y|old.y", "new.z|old.z"),
+        linear_acceleration_unit="m/s^2",
+    ).compile()
+    old = {"old": vector(7.0, 8.0, 9.0)}
+    assert read(reader, {**GOOD, **old}).linear_acceleration == (7.0, 8.0, 9.0)
+    both = {**GOOD, **old, "new": vector(1.0, 2.0, 3.0)}
+    assert read(reader, both).linear_acceleration == (1.0, 2.0, 3.0)
+    assert reason(reader, {**GOOD, **old, "new": {"x": 1.0, "y": 2.0}}) == "incomplete"
 
 
 def test_a_step_with_leading_zeros_is_a_key() -> None:
@@ -299,6 +310,7 @@ def test_only_a_date_is_a_device_time(
         ({"orientation_paths": ("q",), "orientation_order": "zyx"}, "is xyzw or wxyz, not 'zyx'"),
         ({"orientation_paths": ("a..b",)}, "'a..b' is not a path"),
         ({"orientation_paths": ("",)}, "'' is not a path"),
+        ({"orientation_paths": ("a|b", "c", "d", "e")}, "the same number of alternatives"),
         ({"orientation_paths": ("q",), "required": ("gps",)}, "not 'gps'"),
         ({"orientation_paths": ("q",), "required": ("magnetic_field",)}, "paths is empty"),
         ({"orientation_paths": ("q",), "select": ("T",)}, "conditions such as T=1002, not 'T'"),

@@ -298,6 +298,11 @@ def test_frame_errors_of_the_transport_count_as_rejected(rigs: Callable[..., Rig
         ({"orientation_stddev": [1.0, 2.0]}, ParameterError, "one number or three"),
         ({"angular_velocity_stddev": [1e200]}, ParameterError, "too large"),
         ({"preset": "custom"}, MappingError, "names no quantity"),
+        (
+            {"mapping.orientation.paths": ["<preset>", "b", "c", "d"]},
+            ParameterError,
+            "stands alone",
+        ),
         ({"preset": "mpu6050", "time_source": "device"}, MappingError, "time.paths is empty"),
         (
             {"mapping.angular_velocity.paths": ["gx", "gy", "gz"]},

@@ -52,11 +52,19 @@ def test_a_distribution_without_its_metadata_is_listed_and_harms_nobody(site: Pa
     (site / "bare-1.2.dist-info" / "METADATA").unlink()
     install_plugin(site, "damaged", "y", TRANSPORT_PLUGIN.format(name="y"))
     (site / "damaged-1.2.dist-info" / "entry_points.txt").write_text("[rosbase]\ny damaged_y\n")
+    install_plugin(site, "undecodable", "u", TRANSPORT_PLUGIN.format(name="u"))
+    (site / "undecodable-1.2.dist-info" / "entry_points.txt").write_bytes(b"[x]\n\xff = a:b\n")
+    install_plugin(site, "endless", "e", TRANSPORT_PLUGIN.format(name="e"))
+    loop = site / "endless-1.2.dist-info" / "entry_points.txt"
+    loop.unlink()
+    loop.symlink_to(loop)
     install_plugin(site, "z-good", "can", TRANSPORT_PLUGIN.format(name="can"))
     registry = load(site)
     assert "can" in registry.transports
     failures = {record.distribution: record.failure for record in registry.plugins}
-    assert set(failures) == {"bare", "damaged", "z-good"}
+    assert set(failures) == {"bare", "damaged", "undecodable", "endless", "z-good"}
+    assert "metadata cannot be read" in failures["undecodable"]
+    assert "metadata cannot be read" in failures["endless"]
     assert "metadata cannot be read" in failures["damaged"]
 
 

@@ -13,6 +13,7 @@ from rosbase.clock import SystemClock
 from rosbase.errors import (
     DeviceBusyError,
     DeviceNotFoundError,
+    TransportError,
 )
 from rosbase.logger import RosbaseLogger
 from rosbase.transport import TransportContext, TransportState
@@ -206,11 +207,11 @@ def test_a_port_is_not_lost_when_no_reader_can_be_made(
     transport.open()
     with monkeypatch.context() as patch:
         patch.setattr(os, "pipe", no_pipe)
-        with pytest.raises(OSError, match="Too many"):
+        with pytest.raises(TransportError, match="Too many"):
             transport.start(rig.keep)
     with monkeypatch.context() as patch:
         patch.setattr(threading.Thread, "start", no_thread)
-        with pytest.raises(RuntimeError, match="new thread"):
+        with pytest.raises(TransportError, match="new thread"):
             transport.start(rig.keep)
     assert transport.is_open
     transport.start(rig.keep)

@@ -1,16 +1,20 @@
 """`rosbase imu` as a process, on a real line that another program writes to."""
 
 import json
+import os
 import re
 import signal
 import subprocess
+import termios
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from rosbase.errors import TransportError
 from support.command import ROSBASE, RunningRosbase, run_rosbase, summary_of
 from support.samples import FAULTS, GOOD_FRAME, frame
 from support.serial_port import PluggablePort
@@ -332,3 +336,93 @@ def test_samples_on_a_full_disk_end_it_with_one_line(port: PluggablePort) -> Non
         shown = reader.stderr.read().splitlines()
     assert reader.returncode == 1
     assert shown[-1] == "rosbase: cannot write: No space left on device"
+
+
+def stopped_terminal() -> tuple[int, int]:
+    """A terminal whose output somebody has stopped with Ctrl-S: both of its ends."""
+    own_end, far_end = os.openpty()
+    termios.tcflow(far_end, termios.TCOOFF)
+    return own_end, far_end
+
+
+def full_pipe() -> tuple[int, int]:
+    """A pipe that is full and that nobody empties: both of its ends."""
+    own_end, far_end = os.pipe()
+    os.set_blocking(far_end, False)
+    try:
+        while True:
+            os.write(far_end, b"x" * 4096)
+    except BlockingIOError:
+        os.set_blocking(far_end, True)
+    return own_end, far_end
+
+
+def unread_terminal() -> tuple[int, int]:
+    """A terminal whose other end nobody reads."""
+    return os.openpty()
+
+
+def feed(port: PluggablePort) -> None:
+    """Sends samples and junk until the port is unplugged."""
+    try:
+        while True:
+            port.write((GOOD_FRAME + b"\n") * 20 + b"junk\n")
+    except (TransportError, AssertionError):
+        return
+
+
+@pytest.mark.parametrize("make", [stopped_terminal, full_pipe, unread_terminal])
+@pytest.mark.parametrize("streams", [["stdout"], ["stderr"], ["stdout", "stderr"]])
+def test_streams_that_take_nothing_do_not_hold_up_the_end(
+    port: PluggablePort, make: Callable[[], tuple[int, int]], streams: list[str]
+) -> None:
+    port.plug()
+    own_end, far_end = make()
+    ends = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(
+        [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo", "--duration", "1.5"],
+        stdout=far_end if "stdout" in streams else ends["stdout"],
+        stderr=far_end if "stderr" in streams else ends["stderr"],
+    ) as reader:
+        feeder = threading.Thread(target=feed, args=(port,))
+        feeder.start()
+        try:
+            assert reader.wait(15) == 0
+        finally:
+            reader.kill()
+            # Ends the feeder too, which may wait for room on the line.
+            port.unplug()
+            feeder.join()
+    os.close(own_end)
+    os.close(far_end)
+
+
+def test_a_log_that_nobody_reads_does_not_end_the_samples(port: PluggablePort) -> None:
+    port.plug()
+    with subprocess.Popen(
+        [ROSBASE, "imu", "-p", f"device_path:={port.path}", "--topic-echo"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as reader:
+        assert reader.stdout is not None
+        assert reader.stderr is not None
+        assert "opened" in reader.stderr.readline()
+        reader.stderr.close()
+        feeder = threading.Thread(target=feed, args=(port,))
+        feeder.start()
+        shown = [reader.stdout.readline() for _ in range(500)]
+        reader.terminate()
+        reader.stdout.read()
+        port.unplug()
+        feeder.join()
+    assert all("linear_acceleration" in line for line in shown)
+    assert reader.returncode == 0
+
+
+def test_a_user_error_that_nobody_hears_is_still_status_2() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [ROSBASE, "imu", "-p", "baudrate:=fast"], stderr=full, timeout=30, check=False
+        )
+    assert done.returncode == 2

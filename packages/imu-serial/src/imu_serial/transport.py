@@ -67,14 +67,15 @@ class SerialTransport(Transport):
             if self._reader is not None:
                 return
             self.open()
-            reader = ReaderThread(self._config, self._context, self._port, on_frame, self._tally)
-            # Known before it runs: the first frame may make `on_frame` call us.
-            self._reader, self._port = reader, None
+            port = self._port
             try:
+                reader = ReaderThread(self._config, self._context, port, on_frame, self._tally)
+                # Known before it runs: the first frame may make `on_frame` call us.
+                self._reader, self._port = reader, None
                 reader.start()
-            except RuntimeError:
-                self._reader, self._port = None, reader.port
-                raise
+            except (OSError, RuntimeError) as error:
+                self._reader, self._port = None, port
+                raise TransportError(f"no reader can be started: {error}") from error
             self._is_awaited = False
 
     def stop(self) -> None:

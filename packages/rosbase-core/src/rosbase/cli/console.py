@@ -47,14 +47,25 @@ class _Formatter(logging.Formatter):
         return super().format(record)
 
 
-def log_to_stderr() -> None:
-    """Has rosbase's log records written to stderr, in the shape of ROS 2."""
-    handler = logging.StreamHandler(sys.stderr)
-    clear = _CLEAR if sys.stderr.isatty() else ""
+class _OutputHandler(logging.Handler):
+    """Hands log records to an output, which never waits, not even for a stopped terminal."""
+
+    def __init__(self, output: Output) -> None:
+        super().__init__()
+        self._output = output
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._output.write(f"{self.format(record)}\n")
+
+
+def log_to_stderr() -> Output:
+    """Has rosbase's log records written to stderr, in the shape of ROS 2; gives the output."""
+    output = Output(sys.stderr)
+    handler = _OutputHandler(output)
+    clear = _CLEAR if output.is_terminal else ""
     handler.setFormatter(_Formatter(f"{clear}[%(levelname)s] [%(name)s]: %(message)s"))
     logger = logging.getLogger("rosbase")
     logger.handlers[:] = [handler]
     logger.setLevel(logging.INFO)
     logger.propagate = False
-    # A log that nobody can read any more must not add complaints of its own.
-    logging.raiseExceptions = False
+    return output

@@ -5,6 +5,7 @@ from typing import Any
 
 from rosbase.cli.arguments import number_between, positive_number
 from rosbase.cli.console import log_to_stderr
+from rosbase.cli.output import Output
 from rosbase.cli.report import summary_lines
 from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
 from rosbase.errors import NotInstalledError
@@ -34,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the demo; 0 if every sample that was sent has been published."""
-    log_to_stderr()
+    log = log_to_stderr()
     transport = installed_plugins().transport(arguments.transport)
     if transport.simulate is None:
         raise NotInstalledError(f"transport '{transport.name}' has no simulated device")
@@ -49,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
                 # The simulated device knows the time, so latency counts from its sending.
                 "time_source": "device",
             },
+            log,
             simulator=simulator,
             handlers_class=DemoHandlers,
             duration_s=arguments.duration,
@@ -104,11 +106,16 @@ class DemoManager(ReaderManager):
     is_ending = False
 
     def __init__(
-        self, parameters: dict[str, ParameterValue], *, simulator: ImuSimulator, **kwargs: Any
+        self,
+        parameters: dict[str, ParameterValue],
+        log: Output,
+        *,
+        simulator: ImuSimulator,
+        **kwargs: Any,
     ) -> None:
         """Builds the run."""
         self._simulator = simulator
-        super().__init__(parameters, simulator=simulator, **kwargs)
+        super().__init__(parameters, log, simulator=simulator, **kwargs)
 
     def request_stop(self) -> None:
         """Has the handlers end the run in good order."""

@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the reader until it is stopped."""
-    log_to_stderr()
+    log = log_to_stderr()
     registry = installed_plugins()
     specs = reader_parameters(registry)
     if arguments.list_parameters:
@@ -59,6 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     parameters = _OWN_DEFAULTS | check_given(specs, given)
     manager = ReaderManager(
         parameters,
+        log,
         backend=arguments.backend,
         echoes=arguments.topic_echo,
         duration_s=arguments.duration,

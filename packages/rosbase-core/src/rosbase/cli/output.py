@@ -3,6 +3,7 @@
 import os
 import select
 import sys
+import threading
 from collections import deque
 from typing import TextIO
 
@@ -28,9 +29,15 @@ class Output:
     def __init__(self, stream: TextIO) -> None:
         stream.flush()
         self.is_terminal = stream.isatty()
-        self._fd = stream.fileno()
+        # None for a stream without a descriptor, as those in which tests catch output.
+        self._fd = _unblocking(stream)
+        self._stream = stream
+        # Log records come from any thread. Nothing is waited for under the lock, but for the
+        # time that `drain` is given.
+        self._lock = threading.RLock()
         self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLOUT)
+        if self._fd is not None:
+            self._poll.register(self._fd, select.POLLOUT)
         self._begun = b""
         self._waiting: deque[bytes] = deque()
         self.dropped = 0
@@ -42,28 +49,36 @@ class Output:
 
     def write(self, text: str) -> None:
         """Writes the text, now or later."""
-        if len(self._waiting) >= _WAITING_TEXTS:
-            self._waiting.popleft()
-            self.dropped += 1
-        self._waiting.append(text.encode())
-        self.flush()
+        if self._fd is None:
+            self._stream.write(text)
+            return
+        with self._lock:
+            if len(self._waiting) >= _WAITING_TEXTS:
+                self._waiting.popleft()
+                self.dropped += 1
+            self._waiting.append(text.encode(errors="replace"))
+            self.flush()
 
     def flush(self) -> None:
         """Writes what waits, as far as the stream takes it at once."""
-        while self._write_piece(0.0):
-            pass
+        with self._lock:
+            while self._write_piece(0.0):
+                pass
 
     def drain(self, seconds: float, clock: Clock) -> None:
         """Writes what waits, for so long at most; what is left then is dropped."""
         end_ns = clock.monotonic_ns() + int(seconds * 1e9)
-        while (left_ns := end_ns - clock.monotonic_ns()) > 0:
-            if not self._write_piece(left_ns / 1e9):
-                break
-        self.dropped += len(self._waiting)
-        self._waiting.clear()
+        with self._lock:
+            while (left_ns := end_ns - clock.monotonic_ns()) > 0:
+                if not self._write_piece(left_ns / 1e9):
+                    break
+            self.dropped += len(self._waiting)
+            self._waiting.clear()
 
     def _write_piece(self, timeout_s: float) -> bool:
         """Writes a piece of what waits, when the stream is ready; tells whether it did."""
+        if self._fd is None:
+            return False
         has_text = bool(self._begun or self._waiting)
         ready = self._poll.poll(timeout_s * 1000.0 if has_text else 0.0)
         if any(event & (select.POLLERR | select.POLLNVAL) for _, event in ready):
@@ -81,6 +96,27 @@ class Output:
             return False
         self._begun = self._begun[written:]
         return True
+
+
+def _unblocking(stream: TextIO) -> int | None:
+    """A descriptor on which writing the pieces that it is ready for does not wait.
+
+    Pipes and sockets keep what `poll` says of them. A terminal does not: it says that it is
+    ready for a byte, and lets the rest of a line wait. So it is opened once more, because
+    the mode of the descriptor that it came with belongs to the shell too.
+    """
+    try:
+        fd = stream.fileno()
+    except OSError:
+        return None
+    if stream.isatty():
+        flags = os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
+        try:
+            return os.open(os.ttyname(fd), flags)
+        except OSError:
+            # A terminal without a name here, such as one of another container.
+            pass
+    return fd
 
 
 def own_stdio() -> None:

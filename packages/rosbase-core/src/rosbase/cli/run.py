@@ -20,7 +20,7 @@ def run(arguments: list[str]) -> int:
         status = _run_command(arguments)
         sys.stdout.flush()
     except RosbaseError as error:
-        print(f"rosbase: {' '.join(str(error).split())}", file=sys.stderr)
+        _complain(" ".join(str(error).split()))
         return 2
     except BrokenPipeError:
         # Whoever read has had enough, as `head` does. What is left must not be tried again.
@@ -30,7 +30,7 @@ def run(arguments: list[str]) -> int:
         if error.filename is not None:
             raise
         _to_nowhere()
-        print(f"rosbase: cannot write: {error.strerror}", file=sys.stderr)
+        _complain(f"cannot write: {error.strerror}")
         return 1
     return status
 
@@ -63,6 +63,14 @@ def _configure(command: CommandPlugin, parser: argparse.ArgumentParser) -> None:
         command.configure(parser)
     except Exception as error:
         raise ConfigurationError(f"the command '{command.name}' is broken: {error!r}") from error
+
+
+def _complain(line: str) -> None:
+    try:
+        print(f"rosbase: {line}", file=sys.stderr, flush=True)
+    except OSError:
+        # There is nobody to hear it; the exit status says it too.
+        pass
 
 
 def _to_nowhere() -> None:

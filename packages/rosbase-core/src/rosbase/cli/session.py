@@ -69,6 +69,7 @@ class ReaderManager(BaseManager):
     def __init__(
         self,
         parameters: Mapping[str, ParameterValue],
+        log: Output,
         *,
         backend: str | None = None,
         handlers_class: type[ReaderHandlers] = ReaderHandlers,
@@ -79,14 +80,16 @@ class ReaderManager(BaseManager):
 
         Args:
             parameters: What the reader's parameters are set to.
+            log: Where log records go; with `echoes`, everything but the samples.
             backend: Its name.
             handlers_class: What decides when the run ends.
             echoes: Whether stdout gets every sample, as a line of JSON.
             kwargs: For the handlers, such as `duration_s`.
         """
-        # With the samples on stdout, everything else goes to stderr.
-        self._samples = Output(sys.stdout) if echoes else None
-        self._report = Output(sys.stderr if echoes else sys.stdout)
+        self._log = log
+        self._stdout = Output(sys.stdout)
+        self._report = log if echoes else self._stdout
+        self._echoes = echoes
         self.live_line = LiveLine(self._report)
         super().__init__(
             node_name=DEFAULT_NODE_NAME,
@@ -115,29 +118,29 @@ class ReaderManager(BaseManager):
         """Hands over what was published last, and reports."""
         while self.backend.spin_once(0.0):
             pass
-        if self._samples is not None:
-            self._samples.drain(_LAST_WRITE_S, self.backend.clock)
+        if self._echoes:
+            self._stdout.drain(_LAST_WRITE_S, self.backend.clock)
         self.live_line.end()
         self._report.write("".join(f"{line}\n" for line in self.summary()))
-        self._report.drain(_LAST_WRITE_S, self.backend.clock)
+        for output in (self._stdout, self._log):
+            output.drain(_LAST_WRITE_S, self.backend.clock)
 
     def flush(self) -> None:
         """Writes what waits to be written; ends the run when nobody is left to read it."""
-        for output in self._outputs():
-            output.flush()
-            if output.is_gone:
-                self.request_stop()
+        self._log.flush()
+        self._stdout.flush()
+        if self._stdout.is_gone:
+            self.request_stop()
 
     @property
     def dropped(self) -> int:
         """Samples that were published, and lost on the way to whoever wanted them."""
-        unread = self._samples.dropped if self._samples is not None else 0
-        return self.monitor.dropped + unread
+        return self.monitor.dropped + (self._stdout.dropped if self._echoes else 0)
 
     @property
     def output_error(self) -> str:
-        """Why something could not be written, if it could not."""
-        return next((output.error for output in self._outputs() if output.error), "")
+        """Why stdout could not be written, if it could not."""
+        return self._stdout.error
 
     def summary(self) -> list[str]:
         """The lines at the end of the run."""
@@ -150,12 +153,8 @@ class ReaderManager(BaseManager):
         """Whether the reader is at work."""
         return self.reader.get_state() is State.ACTIVE
 
-    def _outputs(self) -> list[Output]:
-        return [self._report] if self._samples is None else [self._samples, self._report]
-
     def _print_sample(self, line: str) -> None:
-        assert self._samples is not None
-        self._samples.write(f"{line}\n")
+        self._stdout.write(f"{line}\n")
 
 
 def run_to_end(manager: ReaderManager) -> int:

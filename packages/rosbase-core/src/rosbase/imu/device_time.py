@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import TypeAlias
 
 from rosbase.errors import MappingError
-from rosbase.imu.paths import Path, resolve
+from rosbase.imu.paths import MISSING, Path, follow, variants
 
 __all__ = ["TIME_UNITS", "TimeReader", "compile_time"]
 
@@ -37,18 +37,24 @@ def compile_time(paths: Sequence[Path], unit: str) -> TimeReader:
     if len(paths) == 1 and unit not in TIME_UNITS:
         raise MappingError(f"mapping.time.unit is one of {', '.join(TIME_UNITS)}, not {unit!r}")
     units = [TIME_UNITS[unit]] if len(paths) == 1 else [TIME_UNITS["s"], TIME_UNITS["ns"]]
+    alternatives = variants(paths, "mapping.time")
 
     def read(payload: object) -> int | None:
-        parts = [
-            _to_ns(resolve(payload, path), unit_ns)
-            for path, unit_ns in zip(paths, units, strict=True)
-        ]
-        if None in parts or (len(parts) == 2 and not 0 <= (parts[1] or 0) < TIME_UNITS["s"]):
-            return None
-        total = sum(part for part in parts if part is not None)
-        return total if _EARLIEST_NS <= total < _LATEST_NS else None
+        for steps in alternatives:
+            values = [follow(payload, path) for path in steps]
+            if MISSING not in values:
+                return _date_ns(values, units)
+        return None
 
     return read
+
+
+def _date_ns(values: Sequence[object], units: Sequence[int]) -> int | None:
+    parts = [_to_ns(value, unit_ns) for value, unit_ns in zip(values, units, strict=True)]
+    if None in parts or (len(parts) == 2 and not 0 <= (parts[1] or 0) < TIME_UNITS["s"]):
+        return None
+    total = sum(part for part in parts if part is not None)
+    return total if _EARLIEST_NS <= total < _LATEST_NS else None
 
 
 def _to_ns(value: object, unit_ns: int) -> int | None:

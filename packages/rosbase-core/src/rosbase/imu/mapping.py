@@ -94,15 +94,12 @@ class ImuMapping:
         texts: tuple[str, ...] = getattr(self, f"{group}_paths")
         if not texts:
             return None
-        parsed = [parse_path(text) for text in texts]
-        paths, whole = _expand(group, parsed), parsed[0] if len(parsed) == 1 else None
+        paths = _expand(group, [parse_path(text) for text in texts])
         if group == "orientation":
             paths, factor = self._in_xyzw(paths), 1.0
         else:
             factor = unit_factor(group, getattr(self, f"{group}_unit"))
-        return compile_quantity(
-            group, paths, factor, whole=whole, numeric_strings=self.numeric_strings
-        )
+        return compile_quantity(group, paths, factor, numeric_strings=self.numeric_strings)
 
     def _in_xyzw(self, paths: list[Path]) -> list[Path]:
         if self.orientation_order not in ("xyzw", "wxyz"):

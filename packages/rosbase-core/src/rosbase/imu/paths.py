@@ -1,11 +1,12 @@
 """Where in a payload a value stands: `a.b`, `list[0].x`, or alternatives `new|old`."""
 
 import re
+from collections.abc import Sequence
 from typing import Any, Final, TypeAlias
 
 from rosbase.errors import MappingError
 
-__all__ = ["MISSING", "Path", "Steps", "parse_path", "resolve"]
+__all__ = ["MISSING", "Path", "Steps", "follow", "parse_path", "resolve", "variants"]
 
 Steps: TypeAlias = tuple[str | int, ...]
 """The way from the top of a payload to a value: keys of objects, indices of lists."""
@@ -44,12 +45,29 @@ def _parse_steps(alternative: str, text: str) -> Steps:
     return tuple(int(step) if _INDEX.fullmatch(step) else step for step in steps)
 
 
+def variants(paths: Sequence[Path], what: str) -> list[list[Steps]]:
+    """The paths of a quantity, one list for each alternative: they are taken together.
+
+    Raises:
+        MappingError: Some have more alternatives than others.
+    """
+    if len({len(path) for path in paths}) > 1:
+        raise MappingError(f"all paths of {what} must have the same number of alternatives")
+    return [list(steps) for steps in zip(*paths, strict=True)]
+
+
+def follow(payload: object, steps: Steps) -> Any:
+    """What the steps lead to, or MISSING. Never raises."""
+    value = payload
+    for step in steps:
+        value = _child(value, step)
+    return value
+
+
 def resolve(payload: object, path: Path) -> Any:
     """What the path leads to, or MISSING. Never raises."""
     for steps in path:
-        value = payload
-        for step in steps:
-            value = _child(value, step)
+        value = follow(payload, steps)
         if value is not MISSING:
             return value
     return MISSING

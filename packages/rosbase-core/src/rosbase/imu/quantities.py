@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
 
-from rosbase.imu.paths import MISSING, Path, resolve
+from rosbase.imu.paths import MISSING, Path, Steps, follow, variants
 from rosbase.imu.rejects import Reject
 
 __all__ = ["Numbers", "QuantityReader", "compile_quantity", "unit_quaternion"]
@@ -28,29 +28,47 @@ _ROUNDING = 1e-6
 
 
 def compile_quantity(
-    name: str,
-    paths: Sequence[Path],
-    factor: float,
-    *,
-    whole: Path | None = None,
-    numeric_strings: bool = False,
+    name: str, paths: Sequence[Path], factor: float, *, numeric_strings: bool = False
 ) -> QuantityReader:
     """A reader for the numbers at `paths`.
 
     Args:
         name: The quantity, for messages.
-        paths: Where the components are, in the order in which they are given back.
+        paths: Where the components are, in the order in which they are given back. Their
+            alternatives belong together: the first of which anything is there counts.
         factor: What each is multiplied by.
-        whole: Where the list is, if they are the elements of one; it must have no others.
         numeric_strings: Whether a text that is a JSON number counts as one.
+
+    Raises:
+        MappingError: Some paths have more alternatives than others.
     """
+    readers = [
+        _compile_variant(name, steps, factor, numeric_strings) for steps in variants(paths, name)
+    ]
+    if len(readers) == 1:
+        return readers[0]
+
+    def read_first(payload: object) -> Numbers | Reject | None:
+        for read in readers:
+            numbers = read(payload)
+            if numbers is not None:
+                return numbers
+        return None
+
+    return read_first
+
+
+def _compile_variant(
+    name: str, paths: Sequence[Steps], factor: float, numeric_strings: bool
+) -> QuantityReader:
+    shared = _shared_parent(paths)
 
     def read_carefully(payload: object) -> Numbers | Reject | None:
-        found = [resolve(payload, path) for path in paths]
+        found = [follow(payload, steps) for steps in paths]
         missing = sum(value is MISSING for value in found)
         if missing:
             return None if missing == len(found) else Reject("incomplete", name)
-        if whole is not None and _length(resolve(payload, whole)) not in (None, len(paths)):
+        if shared is not None and _is_longer_list(follow(payload, shared[0]), shared[1]):
             return Reject("wrong_type", f"{name}: a list of another length")
         numbers: list[float] = []
         for value in found:
@@ -65,11 +83,11 @@ def compile_quantity(
             numbers.append(scaled)
         return tuple(numbers)
 
-    shared = _shared_parent(paths)
     if shared is None:
         return read_carefully
     parent_steps, keys = shared
     get_components = itemgetter(*keys)
+    are_indices = sorted(keys, key=str) == list(range(len(keys)))
 
     def read(payload: object) -> Numbers | Reject | None:
         # The usual case: all components in one place, all of them floats. Whatever is
@@ -81,7 +99,7 @@ def compile_quantity(
             numbers: Numbers = get_components(parent)
         except (KeyError, IndexError, TypeError):
             return read_carefully(payload)
-        if whole is not None and len(parent) != len(keys):
+        if are_indices and len(parent) != len(keys):
             return read_carefully(payload)
         for number in numbers:
             if type(number) is not float:
@@ -111,18 +129,16 @@ def unit_quaternion(numbers: Numbers, tolerance: float) -> Numbers | Reject:
     return Reject("bad_quaternion", f"norm {norm:.6g}")
 
 
-def _shared_parent(paths: Sequence[Path]) -> tuple[tuple[str | int, ...], list[str | int]] | None:
+def _shared_parent(paths: Sequence[Steps]) -> tuple[Steps, list[str | int]] | None:
     """The steps to the place where all components stand, and their keys there."""
-    if any(len(path) != 1 for path in paths):
-        return None
-    parents = {path[0][:-1] for path in paths}
-    if len(parents) != 1:
-        return None
-    return parents.pop(), [path[0][-1] for path in paths]
+    parents = {steps[:-1] for steps in paths}
+    return (parents.pop(), [steps[-1] for steps in paths]) if len(parents) == 1 else None
 
 
-def _length(value: object) -> int | None:
-    return len(value) if isinstance(value, list) else None
+def _is_longer_list(parent: object, keys: Sequence[str | int]) -> bool:
+    """Whether a list has more in it than the components that it stands for."""
+    covers = sorted(keys, key=str) == list(range(len(keys)))
+    return covers and isinstance(parent, list) and len(parent) != len(keys)
 
 
 def _to_float(value: object, numeric_strings: bool) -> float | Reject:

@@ -207,7 +207,9 @@ def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
     """
     values = _preset_values(preset)
     given = {name: get(name) for name in _PRESETTABLE if get(name) not in (AS_PRESET, [AS_PRESET])}
-    for name in given:
+    for name, value in given.items():
+        if isinstance(value, list) and AS_PRESET in value:
+            raise ParameterError(f"parameter {name}: {AS_PRESET} stands alone or not at all")
         if name.endswith(".paths"):
             values.pop(name.replace(".paths", ".unit"), None)
             values.pop(name.replace(".paths", ".order"), None)

@@ -31,7 +31,7 @@ def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate
         path: Where to look; by default where Python looks.
     """
     found: dict[str, list[Candidate]] = {}
-    for distribution in distributions() if path is None else distributions(path=path):
+    for distribution in _distributions(path):
         # Of two of one name, the first on the path is the one that Python imports.
         name = _name_of(distribution)
         if name not in found:
@@ -39,15 +39,24 @@ def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate
     return sorted((c for part in found.values() for c in part), key=_order)
 
 
+def _distributions(path: list[str] | None) -> Iterable[Distribution]:
+    """What is installed, as far as it can be listed."""
+    listed = iter(distributions() if path is None else distributions(path=path))
+    while True:
+        try:
+            yield next(listed)
+        except (StopIteration, OSError):
+            return
+
+
 def _order(candidate: Candidate) -> tuple[str, str]:
     return candidate.distribution, candidate.name
 
 
 def _candidates_of(distribution: Distribution, name: str, group: str) -> Iterable[Candidate]:
-    text = distribution.read_text("entry_points.txt") or ""
-    if f"[{group}]" not in text:
-        return
     try:
+        if f"[{group}]" not in (distribution.read_text("entry_points.txt") or ""):
+            return
         version = distribution.version or "?"
         entries = [entry for entry in distribution.entry_points if entry.group == group]
     except Exception as error:
