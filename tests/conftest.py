@@ -33,7 +33,8 @@ def nothing_leaks() -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def own_surroundings(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Keeps the user's environment and the last test's logging out of a test."""
-    for name in [name for name in os.environ if name.startswith("ROSBASE_")]:
+    # PYTHONUNBUFFERED too: a new user has it not set, and output behaves differently with it.
+    for name in [n for n in os.environ if n.startswith("ROSBASE_") or n == "PYTHONUNBUFFERED"]:
         monkeypatch.delenv(name)
     logger = logging.getLogger("rosbase")
     before = logger.handlers[:], logger.level, logger.propagate

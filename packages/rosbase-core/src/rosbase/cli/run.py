@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from importlib.metadata import version
+from typing import TextIO
 
 from rosbase.cli.arguments import OneLineParser
 from rosbase.cli.output import own_stdio
@@ -17,6 +18,17 @@ def run(arguments: list[str]) -> int:
     """Runs the command; what a user can mend becomes one line and status 2."""
     own_stdio()
     try:
+        return _run(arguments)
+    finally:
+        # A complaint that could not be written must not be tried again when Python ends.
+        try:
+            sys.stderr.flush()
+        except OSError:
+            _to_nowhere(sys.stderr)
+
+
+def _run(arguments: list[str]) -> int:
+    try:
         status = _run_command(arguments)
         sys.stdout.flush()
     except RosbaseError as error:
@@ -24,12 +36,12 @@ def run(arguments: list[str]) -> int:
         return 2
     except BrokenPipeError:
         # Whoever read has had enough, as `head` does. What is left must not be tried again.
-        _to_nowhere()
+        _to_nowhere(sys.stdout)
         return 0
     except OSError as error:
         if error.filename is not None:
             raise
-        _to_nowhere()
+        _to_nowhere(sys.stdout)
         _complain(f"cannot write: {error.strerror}")
         return 1
     return status
@@ -73,5 +85,5 @@ def _complain(line: str) -> None:
         pass
 
 
-def _to_nowhere() -> None:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _to_nowhere(stream: TextIO) -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
