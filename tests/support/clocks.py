@@ -1,6 +1,7 @@
 """A clock that a test turns by hand."""
 
 import threading
+from collections.abc import Callable
 
 from rosbase.messages import Time
 
@@ -24,9 +25,14 @@ class ManualClock:
     def advance(self, seconds: float) -> None:
         self.elapsed_ns += round(seconds * 1e9)
 
-    def wait(self, wakeup: threading.Lock, timeout_s: float) -> bool:
-        if wakeup.acquire(blocking=False):
-            return True
-        assert timeout_s >= 0, "nobody could end this wait"
-        self.advance(timeout_s)
-        return False
+    def sleep(self, seconds: float) -> None:
+        self.advance(seconds)
+
+    def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
+        def wait(timeout_s: float) -> bool:
+            if wakeup.acquire(blocking=False):
+                return True
+            self.advance(timeout_s)
+            return False
+
+        return wait

@@ -2,6 +2,8 @@
 
 import threading
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 from rosbase.messages import Time
@@ -24,15 +26,21 @@ class Clock(Protocol):
         """Nanoseconds from an arbitrary start; never goes back. For intervals and deadlines."""
         ...
 
-    def wait(self, wakeup: threading.Lock, timeout_s: float) -> bool:
-        """Blocks until `wakeup` can be taken, or until the time is up.
+    def sleep(self, seconds: float) -> None:
+        """Blocks for that long, whatever other threads do."""
+        ...
+
+    def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
+        """A function that waits for a lock, for so many seconds of this clock at most.
+
+        A loop asks for it once, so that a tick pays for nothing but the waiting.
 
         Args:
-            wakeup: A lock that another thread releases to end the wait.
-            timeout_s: The longest wait; negative means without end.
+            wakeup: A lock that another thread releases to end a wait.
 
         Returns:
-            Whether the lock was taken.
+            `wait(timeout_s)`, which tells whether the lock was taken. The time is from 0 to
+            `threading.TIMEOUT_MAX` seconds.
         """
         ...
 
@@ -42,13 +50,12 @@ class SystemClock:
 
     now_ns = staticmethod(time.time_ns)
     monotonic_ns = staticmethod(time.monotonic_ns)
+    sleep = staticmethod(time.sleep)
 
     def now(self) -> Time:
         """The date, for stamps."""
         return Time.from_nanoseconds(time.time_ns())
 
-    def wait(self, wakeup: threading.Lock, timeout_s: float) -> bool:
-        """Blocks until `wakeup` can be taken, or until the time is up."""
-        if timeout_s < 0:
-            return wakeup.acquire()
-        return wakeup.acquire(timeout=min(timeout_s, threading.TIMEOUT_MAX))
+    def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
+        """A function that waits for a lock, for so many seconds at most."""
+        return partial(wakeup.acquire, True)  # noqa: FBT003 - no names here

@@ -1,5 +1,8 @@
 """A fixed rate: which tick is due next, and how many were missed. Reads no clock."""
 
+import threading
+from fractions import Fraction
+
 from rosbase.histogram import Histogram
 
 __all__ = ["LoopStats", "Rate"]
@@ -14,7 +17,7 @@ class Rate:
     passed are skipped: there is never a burst.
     """
 
-    __slots__ = ("_frequency_hz", "_index", "_start_ns")
+    __slots__ = ("_left_over", "_parts", "_period_ns", "_rest", "deadline_ns", "skipped")
 
     def __init__(self, frequency_hz: float, start_ns: int) -> None:
         """Starts at `start_ns` (monotonic); the first deadline is that instant.
@@ -24,48 +27,93 @@ class Rate:
         """
         if not 0.0 < frequency_hz < float("inf"):
             raise ValueError(f"a rate is a positive number of hertz, not {frequency_hz!r}")
-        self._frequency_hz = frequency_hz
-        self._start_ns = start_ns
-        self._index = 0
-
-    @property
-    def deadline_ns(self) -> int:
+        period = _NS_PER_S / Fraction(frequency_hz)
+        # Whole nanoseconds, and what is left over, in parts of `_parts`.
+        self._period_ns, self._rest = divmod(period.numerator, period.denominator)
+        self._parts = period.denominator
+        self._left_over = 0
+        self.deadline_ns = start_ns
         """When the next tick is due, on the monotonic clock."""
-        return self._start_ns + int(self._index * _NS_PER_S / self._frequency_hz)
+        self.skipped = 0
+        """How many ticks were skipped, because their periods had passed."""
 
     def advance(self, now_ns: int) -> int:
-        """Moves on to the next tick.
+        """Moves on to the first tick whose period has not passed by `now_ns`.
 
         Returns:
-            How many ticks were skipped, because their periods had passed by `now_ns`.
+            When it is due.
         """
-        due = int((now_ns - self._start_ns) * self._frequency_hz / _NS_PER_S)
-        skipped = max(0, due - self._index - 1)
-        self._index += 1 + skipped
-        return skipped
+        self.deadline_ns = deadline_ns = self.deadline_ns + self._period_ns
+        if self._rest:
+            deadline_ns = self._carry(1)
+        if now_ns - deadline_ns >= self._period_ns:
+            deadline_ns = self._skip(now_ns)
+        return deadline_ns
+
+    def _carry(self, periods: int) -> int:
+        carried, self._left_over = divmod(self._left_over + periods * self._rest, self._parts)
+        self.deadline_ns += carried
+        return self.deadline_ns
+
+    def _skip(self, now_ns: int) -> int:
+        period = self._period_ns * self._parts + self._rest
+        late = (now_ns - self.deadline_ns) * self._parts - self._left_over
+        periods = late // period
+        self.skipped += periods
+        self.deadline_ns += periods * self._period_ns
+        return self._carry(periods)
 
 
 class LoopStats:
-    """What a fixed-rate loop did, at next to no cost."""
+    """What a fixed-rate loop did, at next to no cost.
 
-    __slots__ = ("_last_start_ns", "busy", "overruns", "period", "ticks")
+    The loop only notes when each tick started and ended. Percentiles are made of the notes
+    when there are many of them, or when somebody asks, from any thread.
+    """
+
+    __slots__ = ("_busy", "_digested", "_last_start_ns", "_lock", "_period", "notes", "overruns")
+
+    MANY_NOTES = 128
+    """So many notes are to be digested."""
 
     def __init__(self) -> None:
-        self.ticks = 0
-        """Ticks that ran."""
         self.overruns = 0
         """Ticks that were skipped because the one before took too long."""
-        self.period = Histogram()
-        """Nanoseconds from the start of one tick to the start of the next."""
-        self.busy = Histogram()
-        """Nanoseconds spent in a tick."""
+        self.notes: list[int] = []
+        """Start, end, start, end, ... of the ticks on the monotonic clock, appended by the loop."""
+        self._digested = 0
+        self._period = Histogram()
+        self._busy = Histogram()
         self._last_start_ns: int | None = None
+        self._lock = threading.Lock()
 
-    def record(self, start_ns: int, end_ns: int, skipped: int) -> None:
-        """Counts one tick, by its start and end on the monotonic clock."""
-        if self._last_start_ns is not None:
-            self.period.record(start_ns - self._last_start_ns)
-        self._last_start_ns = start_ns
-        self.busy.record(end_ns - start_ns)
-        self.ticks += 1
-        self.overruns += skipped
+    @property
+    def ticks(self) -> int:
+        """Ticks that ran."""
+        with self._lock:
+            return self._digested + len(self.notes) // 2
+
+    @property
+    def period(self) -> Histogram:
+        """Nanoseconds from the start of one tick to the start of the next."""
+        self.digest()
+        return self._period
+
+    @property
+    def busy(self) -> Histogram:
+        """Nanoseconds spent in a tick."""
+        self.digest()
+        return self._busy
+
+    def digest(self) -> None:
+        """Makes percentiles of the notes."""
+        with self._lock:
+            # A start whose end is yet to come stays, as does what is appended meanwhile.
+            notes = self.notes[: len(self.notes) // 2 * 2]
+            for start_ns, end_ns in zip(notes[::2], notes[1::2], strict=True):
+                if self._last_start_ns is not None:
+                    self._period.record(start_ns - self._last_start_ns)
+                self._last_start_ns = start_ns
+                self._busy.record(end_ns - start_ns)
+            self._digested += len(notes) // 2
+            del self.notes[: len(notes)]

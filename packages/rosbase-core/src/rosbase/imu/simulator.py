@@ -63,11 +63,12 @@ class ImuSimulator:
         self._thread = None
 
     def _run(self) -> None:
+        wait = self._clock.waiter(self._stop)
         start_ns = self._clock.monotonic_ns()
         while True:
             due_s = self.sent / self._rate_hz
             wait_ns = start_ns + int(due_s * _NS_PER_S) - self._clock.monotonic_ns()
-            if self._clock.wait(self._stop, max(0.0, wait_ns / _NS_PER_S)):
+            if wait(max(0.0, wait_ns / _NS_PER_S)):
                 self._stop.release()
                 return
             try:

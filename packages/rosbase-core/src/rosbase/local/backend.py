@@ -32,6 +32,8 @@ class LocalBackend(Backend):
         self._subscriptions: list[LocalSubscription] = []
         self._timers: list[LocalTimer] = []
         self._closed = False
+        # One call less in each tick of the main loop.
+        self.spin_until = self._executor.spin_until  # type: ignore[method-assign]
 
     @property
     def clock(self) -> Clock:
@@ -106,10 +108,6 @@ class LocalBackend(Backend):
     def spin_once(self, timeout_s: float) -> bool:
         """Handles one callback, waiting for one as long as `timeout_s`."""
         return self._executor.spin_once(timeout_s)
-
-    def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
-        """Handles callbacks as they come, until the deadline."""
-        self._executor.spin_until(deadline_ns, stopping)
 
     def close(self) -> None:
         """Ends everything that was created."""

@@ -12,6 +12,10 @@ __all__ = ["Executor", "LocalTimer"]
 
 _NS_PER_S = 1_000_000_000
 _FEW_ENTRIES = 64
+_LONGEST_S = 1e6
+# A sleep that nobody can end costs a tenth less than one that others can. So short ones are
+# of that kind until another thread calls; its first call may come this much late.
+_NAP_NS = 10_000_000
 
 
 class LocalTimer:
@@ -46,6 +50,7 @@ class Executor:
 
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
+        self._monotonic_ns = clock.monotonic_ns
         self._ready: deque[Callable[[], object]] = deque()
         # The heap and the serials of its timers; `call_soon` does without this lock.
         self._timer_lock = threading.Lock()
@@ -56,7 +61,11 @@ class Executor:
         # Held while nobody has called. Released to wake the spinning thread.
         self._wakeup = threading.Lock()
         self._wakeup.acquire()
+        self._wait = clock.waiter(self._wakeup)
         self._sleeping = False
+        self._nap = clock.sleep
+        # No other thread has called while this one slept in a way that nobody can end.
+        self._is_alone = True
 
     def call_soon(self, function: Callable[[], object]) -> None:
         """Queues a call. Takes no lock, so that a signal handler may do it too."""
@@ -70,7 +79,7 @@ class Executor:
 
     def start_timer(self, timer: LocalTimer) -> None:
         """Has the timer fire one period from now, and again after each period."""
-        deadline_ns = self.clock.monotonic_ns() + timer.period_ns
+        deadline_ns = self._monotonic_ns() + timer.period_ns
         with self._timer_lock:
             self._push(deadline_ns, timer)
         if self._sleeping:
@@ -85,8 +94,8 @@ class Executor:
         """Runs one call, waiting for it as long as `timeout_s`; tells whether there was one."""
         if self._run_one():
             return True
-        deadline_ns = self.clock.monotonic_ns() + int(timeout_s * _NS_PER_S)
-        while (left_ns := deadline_ns - self.clock.monotonic_ns()) > 0:
+        deadline_ns = self._monotonic_ns() + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
+        while (left_ns := deadline_ns - self._monotonic_ns()) > 0:
             self._sleep(left_ns)
             if self._run_one():
                 return True
@@ -94,11 +103,28 @@ class Executor:
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
         """Runs calls until the deadline; those that are ready now, even if it has passed."""
-        for _ in range(len(self._ready) + len(self._timers)):
-            if stopping() or not self._run_one():
-                break
-        while not stopping() and (left_ns := deadline_ns - self.clock.monotonic_ns()) > 0:
+        ready, monotonic_ns = self._ready, self._monotonic_ns
+        if self._is_alone and not (ready or self._timers):
+            # The usual tick of a simple program, in as few steps as can be: after a sleep the
+            # processor is cold, and every line costs a good part of a microsecond.
+            left_ns = deadline_ns - monotonic_ns()
+            if left_ns < _NAP_NS:
+                if left_ns > 0:
+                    self._nap(left_ns / _NS_PER_S)
+                if not ready:
+                    return
+                # Another thread, or a signal handler, has called.
+                self._is_alone = False
+        for _ in range(len(ready) + len(self._timers)):
+            if stopping():
+                return
             if not self._run_one():
+                break
+        while (left_ns := deadline_ns - monotonic_ns()) > 0:
+            if (ready or self._timers) and self._run_one():
+                if stopping():
+                    return
+            else:
                 self._sleep(left_ns)
 
     def clear(self) -> None:
@@ -126,7 +152,7 @@ class Executor:
 
     def _take_due_timer(self) -> LocalTimer | None:
         """The timer whose time has come, set to its next deadline."""
-        now_ns = self.clock.monotonic_ns()
+        now_ns = self._monotonic_ns()
         with self._timer_lock:
             while self._timers and self._timers[0][0] <= now_ns:
                 deadline_ns, serial, timer = heapq.heappop(self._timers)
@@ -148,11 +174,12 @@ class Executor:
     def _sleep(self, limit_ns: int) -> None:
         self._sleeping = True
         # Looked at only now: whoever came before this line did not see us sleep.
-        with self._timer_lock:
-            if self._timers:
-                limit_ns = min(limit_ns, self._timers[0][0] - self.clock.monotonic_ns())
+        if self._timers:
+            with self._timer_lock:
+                if self._timers:
+                    limit_ns = min(limit_ns, self._timers[0][0] - self._monotonic_ns())
         if not self._ready and limit_ns > 0:
-            self.clock.wait(self._wakeup, limit_ns / _NS_PER_S)
+            self._wait(limit_ns / _NS_PER_S)
         self._sleeping = False
 
 

@@ -33,6 +33,9 @@ class BaseManager:
     `start_main_loop_timer()` does all of it and returns when the application has ended.
     """
 
+    get_state_switch: Callable[[], str | None] | None = None
+    state_handle: Callable[..., object] | None = None
+
     def __init__(
         self,
         node_name: str = "BaseManager",
@@ -103,14 +106,12 @@ class BaseManager:
     def main_loop(self) -> None:
         """Called once per tick. The order is the promise; override it to have another."""
         switch = None
-        get_state_switch = getattr(self, "get_state_switch", None)
-        if get_state_switch is not None:
-            switch = get_state_switch()
+        if self.get_state_switch is not None:
+            switch = self.get_state_switch()
             if switch is not None:
                 self.state = switch
-        state_handle = getattr(self, "state_handle", None)
-        if state_handle is not None:
-            state_handle(switch)
+        if self.state_handle is not None:
+            self.state_handle(switch)
         if self.handlers is not None:
             self.handlers.handle()
         self.update_timestamp()
