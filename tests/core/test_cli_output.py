@@ -7,7 +7,7 @@ import pytest
 
 from rosbase.cli.output import Output
 from rosbase.clock import SystemClock
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 
 
 class Pipe:

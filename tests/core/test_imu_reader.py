@@ -20,8 +20,8 @@ from rosbase.lifecycle import CallbackReturn, State
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Imu, MagneticField, Time
 from rosbase.plugins import installed_plugins
+from rosbase.testing import ManualClock
 from rosbase.transport import TransportState
-from support.clocks import ManualClock
 from support.samples import FAULTS, GOOD, GOOD_FRAME, payload, vector
 from support.transports import ScriptedRegistry, ScriptedTransport
 

@@ -8,7 +8,7 @@ import pytest
 from rosbase.backend import BackendOptions, Timer
 from rosbase.clock import SystemClock
 from rosbase.local import Bus, LocalBackend
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 
 
 @pytest.fixture

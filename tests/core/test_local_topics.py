@@ -10,7 +10,7 @@ from rosbase.errors import BackendError, ParameterError
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header, Time
 from rosbase.parameters import ParameterSpec
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 
 
 def make(bus: Bus | None = None, **options: object) -> LocalBackend:

@@ -3,7 +3,7 @@ import logging
 import pytest
 
 from rosbase.logger import RosbaseLogger
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 
 
 @pytest.fixture

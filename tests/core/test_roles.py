@@ -13,7 +13,7 @@ from rosbase import (
 )
 from rosbase.errors import HandshakeTimeoutError, NotInstalledError
 from rosbase.messages import Header
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 from support.roles import Brain, Camera, StopAfter, local_backend
 
 

@@ -10,7 +10,7 @@ from rosbase import (
 from rosbase.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header
-from support.clocks import ManualClock
+from rosbase.testing import ManualClock
 
 
 def local_backend(clock: ManualClock | None = None) -> LocalBackend:

@@ -10,6 +10,11 @@ if TYPE_CHECKING:
     from rosbase.lifecycle_node import LifecycleNode
     from rosbase.manager import BaseManager
     from rosbase.node import BaseNode
+    from rosbase.processes import (
+        RestartPolicy,
+        register_multiprocess_nodes,
+        shutdown_multiprocess_nodes,
+    )
 
 __all__ = [
     "BaseAgent",
@@ -18,7 +23,10 @@ __all__ = [
     "BaseNode",
     "CallbackReturn",
     "LifecycleNode",
+    "RestartPolicy",
     "State",
+    "register_multiprocess_nodes",
+    "shutdown_multiprocess_nodes",
 ]
 
 _HOMES = {
@@ -28,7 +36,10 @@ _HOMES = {
     "BaseNode": "rosbase.node",
     "CallbackReturn": "rosbase.lifecycle",
     "LifecycleNode": "rosbase.lifecycle_node",
+    "RestartPolicy": "rosbase.processes",
     "State": "rosbase.lifecycle",
+    "register_multiprocess_nodes": "rosbase.processes",
+    "shutdown_multiprocess_nodes": "rosbase.processes",
 }
 
 

@@ -4,7 +4,13 @@ import os
 
 from rosbase.backend import Backend, BackendOptions
 
-__all__ = ["BACKEND_VARIABLE", "DEFAULT_BACKEND", "open_backend"]
+__all__ = [
+    "BACKEND_VARIABLE",
+    "DEFAULT_BACKEND",
+    "lone_node_name",
+    "name_lone_nodes",
+    "open_backend",
+]
 
 BACKEND_VARIABLE = "ROSBASE_BACKEND"
 """The environment variable that names the backend where a program does not."""
@@ -25,3 +31,17 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
 
     name = backend or os.environ.get(BACKEND_VARIABLE) or DEFAULT_BACKEND
     return installed_plugins().backend(name).create(options)
+
+
+_lone_name = ""
+
+
+def name_lone_nodes(name: str) -> None:
+    """Gives that name to the nodes of this process that have no manager and no name."""
+    global _lone_name  # noqa: PLW0603 - it concerns the process
+    _lone_name = name
+
+
+def lone_node_name(node: object) -> str:
+    """The name of a node that has no manager and was given none: by default, of its class."""
+    return _lone_name or type(node).__name__

@@ -1,6 +1,7 @@
 """The logger of the four roles: the standard library's, with `once` and a throttle."""
 
 import logging
+import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -16,7 +17,8 @@ _NS_PER_S = 1_000_000_000
 class RosbaseLogger:
     """Writes records of `logging.getLogger("rosbase.<name>")`.
 
-    Handlers, levels and formats are the application's, as everywhere in Python.
+    Handlers, levels and formats are the application's, as everywhere in Python. Where it has
+    set up none at all, what is INFO or worse goes to stderr, as users of ROS expect.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
@@ -84,11 +86,22 @@ class RosbaseLogger:
             return
         self._emit(level, message, exc_info)
 
+    @property
+    def level(self) -> int:
+        """The least level that is written, as a number of `logging`."""
+        return self._logger.getEffectiveLevel() if self._logger.hasHandlers() else logging.INFO
+
     def _emit(self, level: int, message: str, exc_info: Any) -> None:
-        self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=4)
+        if self._logger.hasHandlers():
+            self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=4)
+        else:
+            text = f"[{logging.getLevelName(level)}] [{self.name}]: {message}"
+            _write_to_stderr(_with_traceback(text, exc_info))
 
     def _is_enabled(self, level: int) -> bool:
-        return self._logger.isEnabledFor(level)
+        if self._logger.hasHandlers():
+            return self._logger.isEnabledFor(level)
+        return level >= logging.INFO
 
     def _first_time(self, level: int, message: str) -> bool:
         with self._lock:
@@ -101,8 +114,8 @@ class RosbaseLogger:
 class _CustomLogger(RosbaseLogger):
     """A logger of the application's own, with whatever ours can do and it cannot."""
 
-    def __init__(self, name: str, custom: Any) -> None:
-        super().__init__(name)
+    def __init__(self, name: str, custom: Any, clock: Clock | None) -> None:
+        super().__init__(name, clock)
         self._custom = custom
 
     def __getattr__(self, attribute: str) -> Any:
@@ -112,21 +125,36 @@ class _CustomLogger(RosbaseLogger):
         return True
 
     def _emit(self, level: int, message: str, exc_info: Any) -> None:
-        if isinstance(exc_info, BaseException):
-            message = f"{message}\n{''.join(traceback.format_exception(exc_info)).rstrip()}"
         try:
-            getattr(self._custom, logging.getLevelName(level).lower())(message)
+            write = getattr(self._custom, logging.getLevelName(level).lower())
+            write(_with_traceback(message, exc_info))
         except Exception:
             # Whatever is being reported matters more than how.
             super()._emit(level, message, None)
 
 
-def make_logger(name: str, custom: Callable[[str], Any] | None = None) -> RosbaseLogger:
+def make_logger(
+    name: str, custom: Callable[[str], Any] | None = None, clock: Clock | None = None
+) -> RosbaseLogger:
     """The logger of that name; `custom` is a class of the application's own for it."""
     if custom is None:
-        return RosbaseLogger(name)
+        return RosbaseLogger(name, clock)
     logger = custom(name)
-    return logger if isinstance(logger, RosbaseLogger) else _CustomLogger(name, logger)
+    return logger if isinstance(logger, RosbaseLogger) else _CustomLogger(name, logger, clock)
+
+
+def _with_traceback(message: str, exc_info: Any) -> str:
+    if not isinstance(exc_info, BaseException):
+        return message
+    return f"{message}\n{''.join(traceback.format_exception(exc_info)).rstrip()}"
+
+
+def _write_to_stderr(text: str) -> None:
+    try:
+        print(text, file=sys.stderr, flush=True)
+    except (OSError, ValueError):
+        # Nobody can hear it: stderr is closed, or its reader has gone.
+        pass
 
 
 def _level(name: str) -> int:

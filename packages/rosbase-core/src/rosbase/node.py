@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.clock import Clock
-from rosbase.connection import open_backend
+from rosbase.connection import lone_node_name, open_backend
 from rosbase.context import Component, ManagerContext
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
@@ -50,9 +50,9 @@ class BaseNode(Component):
             self._backend = manager.backend
             self.logger = manager.logger
             return
-        name = node_name or type(self).__name__
-        self.logger = make_logger(name, custom_logger)
+        name = node_name or lone_node_name(self)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
+        self.logger = make_logger(name, custom_logger, self._backend.clock)
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int = 10) -> Publisher:
         """A publisher of messages of that type. `qos` is the history depth, in messages."""

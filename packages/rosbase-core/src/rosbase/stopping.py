@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a request: the first asks, the second forces."""
+"""Ctrl-C, SIGTERM and SIGHUP as a request: the first asks, the second forces."""
 
 import os
 import signal
@@ -9,16 +9,17 @@ from types import FrameType
 
 __all__ = ["stop_on_signals"]
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @contextmanager
 def stop_on_signals(request_stop: Callable[[], object]) -> Iterator[None]:
-    """Has SIGINT and SIGTERM call `request_stop`, as long as the context lasts.
+    """Has SIGINT, SIGTERM and SIGHUP call `request_stop`, as long as the context lasts.
 
-    It must be quick and take no locks, for it runs in the signal handler. A second signal
-    ends the process at once, with the status that a shell gives to that signal. Outside of
-    the main thread, where Python delivers no signals, nothing changes.
+    A SIGHUP that is ignored, as under nohup, stays ignored. `request_stop` must be quick and
+    take no locks, for it runs in the signal handler. A second signal ends the process at once,
+    with the status that a shell gives to that signal. Outside of the main thread, where Python
+    delivers no signals, nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -32,7 +33,11 @@ def stop_on_signals(request_stop: Callable[[], object]) -> Iterator[None]:
         asked = True
         request_stop()
 
-    before = {number: signal.signal(number, handle) for number in _SIGNALS}
+    before = {
+        number: signal.signal(number, handle)
+        for number in _SIGNALS
+        if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN
+    }
     try:
         yield
     finally:

@@ -7,7 +7,7 @@ from typing import TypeVar
 from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.clock import Clock
 from rosbase.errors import BackendError, ParameterError
-from rosbase.local.bus import Bus, LocalPublisher, LocalSubscription
+from rosbase.local.bus import Bus, LocalPublisher, LocalSubscription, process_bus
 from rosbase.local.executor import Executor, LocalTimer
 from rosbase.local.names import resolve_topic
 from rosbase.parameters import Parameter, ParameterSpec, check_value
@@ -16,8 +16,6 @@ __all__ = ["LocalBackend"]
 
 MessageT = TypeVar("MessageT")
 
-_process_bus = Bus()
-
 
 class LocalBackend(Backend):
     """A node's connection to the other nodes of this process."""
@@ -25,7 +23,7 @@ class LocalBackend(Backend):
     def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
         """Opens it on the bus of this process, or on one of the caller's own."""
         self._options = options
-        self._bus = bus or _process_bus
+        self._bus = bus or process_bus()
         self._executor = Executor(options.clock)
         self._parameters: dict[str, Parameter] = {}
         self._publishers: list[LocalPublisher] = []

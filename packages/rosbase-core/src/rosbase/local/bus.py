@@ -1,19 +1,47 @@
-"""Topics within one process: a message is handed over as it is, to every subscription."""
+"""Topics within one process: a message is handed over as it is, to every subscription.
+
+A link is a way to another process: it subscribes here to what is wanted there, and is told
+what is wanted here.
+"""
 
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from rosbase.errors import BackendError
 
-__all__ = ["Bus", "LocalPublisher", "LocalSubscription"]
+__all__ = ["Bus", "BusLink", "LocalPublisher", "LocalSubscription", "process_bus"]
+
+
+class BusLink(Protocol):
+    """What a bus tells a link."""
+
+    def audience_changed(self, topic: str, msg_type: type, depth: int) -> None:
+        """Called when others than the link itself subscribe to a topic, or do so no more.
+
+        Args:
+            topic: Its full name.
+            msg_type: The type of its messages.
+            depth: The greatest depth that one of them asks for; 0 if there is none left.
+        """
+        ...
 
 
 class LocalSubscription:
     """The last messages of a topic, waiting for the callback."""
 
-    __slots__ = ("_callback", "_closed", "_dropped", "_lock", "_queue", "_schedule", "topic")
+    __slots__ = (
+        "_callback",
+        "_closed",
+        "_dropped",
+        "_lock",
+        "_queue",
+        "_schedule",
+        "depth",
+        "link",
+        "topic",
+    )
 
     def __init__(
         self,
@@ -21,8 +49,12 @@ class LocalSubscription:
         callback: Callable[[Any], object],
         depth: int,
         schedule: Callable[[Callable[[], object]], None],
+        link: BusLink | None = None,
     ) -> None:
         self.topic = topic
+        self.depth = depth
+        self.link = link
+        """The link that subscribes on behalf of another process, if it is one."""
         self._callback = callback
         self._queue: deque[Any] = deque(maxlen=depth)
         self._schedule = schedule
@@ -38,16 +70,16 @@ class LocalSubscription:
 
     def deliver(self, message: Any) -> None:
         """Queues a message, from any thread; the oldest goes if the queue is full."""
-        queue = self._queue
         with self._lock:
             if self._closed:
                 return
-            waiting = len(queue)
-            if waiting == queue.maxlen:
+            queue = self._queue
+            is_full = len(queue) == queue.maxlen
+            if is_full:
                 self._dropped += 1
             queue.append(message)
         # One call is under way for each message in the queue, so a full queue needs no more.
-        if waiting != queue.maxlen:
+        if not is_full:
             self._schedule(self.handle_one)
 
     def handle_one(self) -> None:
@@ -58,6 +90,12 @@ class LocalSubscription:
             message = self._queue.popleft()
         self._callback(message)
 
+    def resize(self, depth: int) -> None:
+        """Keeps the last `depth` messages from now on."""
+        with self._lock:
+            self.depth = depth
+            self._queue = deque(self._queue, maxlen=depth)
+
     def close(self) -> None:
         """No callback from here on."""
         with self._lock:
@@ -66,14 +104,28 @@ class LocalSubscription:
 
 
 class _Topic:
-    """A name, its type, and who listens. Replaced lists, so that publishing needs no lock."""
+    """A name, its type, and who listens. Replaced tuples, so that publishing needs no lock."""
 
-    __slots__ = ("deliveries", "msg_type", "users")
+    __slots__ = ("deliveries", "msg_type", "subscriptions", "users")
 
     def __init__(self, msg_type: type) -> None:
         self.msg_type = msg_type
+        self.subscriptions: tuple[LocalSubscription, ...] = ()
         self.deliveries: tuple[Callable[[Any], None], ...] = ()
         self.users = 0
+
+    def set_subscriptions(self, subscriptions: tuple[LocalSubscription, ...]) -> None:
+        """Replaces those who listen."""
+        self.subscriptions = subscriptions
+        self.deliveries = tuple(subscription.deliver for subscription in subscriptions)
+
+    def refusal(self, name: str, message: Any) -> TypeError:
+        """What to raise for a message of another type."""
+        return TypeError(f"{name} takes {self.msg_type.__name__}, not {type(message).__name__}")
+
+    def depth_for(self, link: BusLink) -> int:
+        """The greatest depth that anybody but this link asks for; 0 if nobody does."""
+        return max((s.depth for s in self.subscriptions if s.link is not link), default=0)
 
 
 class LocalPublisher:
@@ -96,9 +148,7 @@ class LocalPublisher:
         if topic is None:
             raise BackendError(f"the publisher of {self.topic} has been destroyed")
         if not isinstance(message, topic.msg_type):
-            raise TypeError(
-                f"{self.topic} takes {topic.msg_type.__name__}, not {type(message).__name__}"
-            )
+            raise topic.refusal(self.topic, message)
         for deliver in topic.deliveries:
             deliver(message)
 
@@ -112,6 +162,7 @@ class Bus:
 
     def __init__(self) -> None:
         self._topics: dict[str, _Topic] = {}
+        self._links: tuple[BusLink, ...] = ()
         self._lock = threading.Lock()
 
     def add_publisher(self, name: str, msg_type: type) -> LocalPublisher:
@@ -131,7 +182,8 @@ class Bus:
         """
         with self._lock:
             topic = self._enter(subscription.topic, msg_type)
-            topic.deliveries = (*topic.deliveries, subscription.deliver)
+            topic.set_subscriptions((*topic.subscriptions, subscription))
+            self._tell_links(subscription.topic, topic)
 
     def remove_publisher(self, publisher: LocalPublisher) -> None:
         """Ends a publisher that `add_publisher` gave."""
@@ -144,8 +196,42 @@ class Bus:
         subscription.close()
         with self._lock:
             topic = self._topics[subscription.topic]
-            topic.deliveries = tuple(d for d in topic.deliveries if d != subscription.deliver)
+            topic.set_subscriptions(tuple(s for s in topic.subscriptions if s is not subscription))
+            self._tell_links(subscription.topic, topic)
             self._leave(subscription.topic)
+
+    def add_link(self, link: BusLink) -> None:
+        """Tells the link what is wanted here, now and from now on."""
+        with self._lock:
+            self._links = (*self._links, link)
+            for name, topic in self._topics.items():
+                if depth := topic.depth_for(link):
+                    link.audience_changed(name, topic.msg_type, depth)
+
+    def remove_link(self, link: BusLink) -> None:
+        """Tells it no more. Its subscriptions are for itself to remove."""
+        with self._lock:
+            self._links = tuple(other for other in self._links if other is not link)
+
+    def deliver_from(self, link: BusLink, name: str, message: Any) -> None:
+        """Queues a message that came over the link with everybody but the link itself.
+
+        Raises:
+            TypeError: The message is not of the topic's type.
+        """
+        topic = self._topics.get(name)
+        if topic is None:
+            # Nobody wants it any more.
+            return
+        if not isinstance(message, topic.msg_type):
+            raise topic.refusal(name, message)
+        for subscription in topic.subscriptions:
+            if subscription.link is not link:
+                subscription.deliver(message)
+
+    def _tell_links(self, name: str, topic: _Topic) -> None:
+        for link in self._links:
+            link.audience_changed(name, topic.msg_type, topic.depth_for(link))
 
     def _enter(self, name: str, msg_type: type) -> _Topic:
         topic = self._topics.setdefault(name, _Topic(msg_type))
@@ -161,3 +247,11 @@ class Bus:
         topic.users -= 1
         if not topic.users:
             del self._topics[name]
+
+
+_process_bus = Bus()
+
+
+def process_bus() -> Bus:
+    """The bus of this process, on which every backend is that is not given one of its own."""
+    return _process_bus

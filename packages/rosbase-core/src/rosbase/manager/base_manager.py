@@ -9,12 +9,18 @@ from rosbase.connection import open_backend
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.handlers import BaseHandlers
 from rosbase.lifecycle_node import LifecycleNode
-from rosbase.logger import make_logger
+from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.manager.bringup import bring_up, take_down
+from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
 from rosbase.manager.shutdown import run_steps
 from rosbase.node import BaseNode
+from rosbase.processes import (
+    ChildProcesses,
+    shutdown_multiprocess_nodes,
+    shutdown_unclaimed,
+)
 from rosbase.rate import LoopStats
 from rosbase.stopping import stop_on_signals
 
@@ -49,6 +55,7 @@ class BaseManager:
         *args: Any,
         backend: str | Backend | None = None,
         handshake_timeout: float | None = None,
+        main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
         """Builds all components, in this order: nodes, agents, handlers.
@@ -65,10 +72,33 @@ class BaseManager:
             args: Forwarded to every component as they are.
             backend: By name or ready made; by default what `ROSBASE_BACKEND` says, else `local`.
             handshake_timeout: Seconds after which a handshake that does not succeed is an error.
+            main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
         """
-        self.logger = make_logger(node_name, custom_logger)
-        self.backend = open_backend(backend, BackendOptions(node_name=node_name))
+        try:
+            self.backend = open_backend(backend, BackendOptions(node_name=node_name))
+            try:
+                self.logger: RosbaseLogger = make_logger(
+                    node_name, custom_logger, self.backend.clock
+                )
+                self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
+                self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
+            except BaseException:
+                self.backend.close()
+                raise
+        except BaseException:
+            # Children were started for this manager, and nobody else knows of them.
+            shutdown_unclaimed()
+            raise
+
+    def _prepare(
+        self,
+        node_freq_hz: float,
+        start_state: str | None,
+        log_freq: bool,
+        handshake_timeout: float | None,
+    ) -> None:
+        """What components may rely on while they are built."""
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
@@ -82,17 +112,22 @@ class BaseManager:
         self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
         self._has_shut_down = False
-        try:
-            self.init_custom_variables()
-            for name, node_class in (nodes_dict or {}).items():
-                self.nodes[name] = self._build(node_class, args, kwargs)
-            for name, agent_class in (agents_dict or {}).items():
-                self.agents[name] = self._build(agent_class, args, kwargs)
-            if handlers_class is not None:
-                self.handlers = self._build(handlers_class, args, kwargs)
-        except BaseException:
-            self.backend.close()
-            raise
+        self.init_custom_variables()
+
+    def _register(
+        self,
+        nodes_dict: Mapping[str, type[BaseNode]] | None,
+        agents_dict: Mapping[str, type[BaseAgent]] | None,
+        handlers_class: type[BaseHandlers] | None,
+        args: tuple[Any, ...],
+        kwargs: dict[str, Any],
+    ) -> None:
+        for name, node_class in (nodes_dict or {}).items():
+            self.nodes[name] = self._build(node_class, args, kwargs)
+        for name, agent_class in (agents_dict or {}).items():
+            self.agents[name] = self._build(agent_class, args, kwargs)
+        if handlers_class is not None:
+            self.handlers = self._build(handlers_class, args, kwargs)
 
     # What users override.
 
@@ -136,36 +171,42 @@ class BaseManager:
         self._stop_requested = True
         self.backend.call_soon(_nothing)
 
-    def start_main_loop_timer(self) -> None:
+    def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
         """Shakes hands, brings lifecycle nodes up, runs the main loop, and cleans up.
 
-        Returns when stopped, by `request_stop`, SIGINT or SIGTERM. What user code raises
-        is raised here, after the whole clean-up.
+        Returns when stopped, by `request_stop`, SIGINT, SIGTERM or SIGHUP. What user code
+        raises is raised here, after the whole clean-up. A manager runs once.
+
+        Args:
+            processes: What `register_multiprocess_nodes` gave; stopped at the end.
 
         Raises:
             HandshakeTimeoutError: The rules that it names did not come true in time.
         """
+        if processes:
+            processes.claim(self.logger)
         with stop_on_signals(self.request_stop):
             try:
                 self._wait_for_handshake()
                 bring_up(self._lifecycle_nodes(), self._is_stopping)
-                run_main_loop(
-                    self.backend,
-                    self.node_freq_hz,
-                    self.main_loop,
-                    self._is_stopping,
-                    self.loop_stats,
-                )
+                with ClockWatch(self.backend, self.logger):
+                    run_main_loop(
+                        self.backend,
+                        self.node_freq_hz,
+                        self.main_loop,
+                        self._is_stopping,
+                        self.loop_stats,
+                    )
             except BaseException:
-                self._shut_down()
+                self._shut_down(processes)
                 raise
-            failure = self._shut_down()
+            failure = self._shut_down(processes)
             if failure is not None:
                 raise failure
 
-    def start_main_loop(self) -> None:
+    def start_main_loop(self, processes: ChildProcesses | None = None) -> None:
         """The older name of `start_main_loop_timer`."""
-        self.start_main_loop_timer()
+        self.start_main_loop_timer(processes)
 
     def destroy_node(self) -> None:
         """Ends the connection of this manager. The main loop does it; harmless when done."""
@@ -204,13 +245,14 @@ class BaseManager:
                 self.logger.info(f"main loop: {rate_hz:.1f} Hz")
             self._frequency_mark = (now_ns, ticks)
 
-    def _shut_down(self) -> BaseException | None:
+    def _shut_down(self, processes: ChildProcesses | None) -> BaseException | None:
         if self._has_shut_down:
             return None
         self._has_shut_down = True
         return run_steps(
             [
                 ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes())),
+                ("child processes", lambda: shutdown_multiprocess_nodes(processes)),
                 ("release_resources", self.release_resources),
                 ("destroy_node", self.destroy_node),
                 ("backend", self.backend.close),

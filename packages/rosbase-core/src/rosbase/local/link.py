@@ -1,0 +1,174 @@
+"""Topics shared with one other process of this machine: a manager's, or its child's.
+
+Each side tells the other what it subscribes to, and sends only that. Both ends are the same.
+What arrives is unpickled, so a link is for processes that trust each other completely.
+"""
+
+import os
+import pickle
+import socket
+import threading
+from collections.abc import Callable
+from functools import partial
+from multiprocessing.connection import Connection
+from typing import Any
+
+from rosbase.clock import SystemClock
+from rosbase.local.bus import Bus, LocalSubscription
+from rosbase.local.executor import Executor
+from rosbase.logger import RosbaseLogger
+
+__all__ = ["Link"]
+
+_FOR_EVER_NS = 1 << 62
+_PATIENCE_S = 0.5
+_REPORT_S = 5.0
+
+
+class Link:
+    """One end of a connection between two buses.
+
+    Two threads serve it: one sends, so that publishing never waits for the other process, and
+    one receives. While the other process is slower than the publisher, a topic keeps as many
+    messages as its subscription there is deep, and the oldest go.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        connection: "Connection[Any, Any]",
+        name: str,
+        on_record: Callable[[int, str], object] | None = None,
+    ) -> None:
+        """Takes this process's end of a connection; `start` makes it a link.
+
+        Args:
+            bus: The topics to share.
+            connection: To the other process. The link closes it.
+            name: How the log calls the other process.
+            on_record: Called with level and text of what `send_record` sends there.
+        """
+        self._bus = bus
+        self._connection = connection
+        self._name = name
+        self._on_record = on_record
+        self._logger = RosbaseLogger("link")
+        self._executor = Executor(SystemClock())
+        self._ending = False
+        self._wanted_there: dict[str, LocalSubscription] = {}
+        self._wanted_here: dict[str, int] = {}
+        self._sender = self._thread("send", self._send_all)
+        self._receiver = self._thread("receive", self._receive_all)
+
+    def send_first(self, *values: Any) -> None:
+        """Sends what the other end is to receive before it becomes a link itself."""
+        for value in values:
+            self._connection.send(value)
+
+    def start(self) -> None:
+        """Begins to share topics."""
+        self._sender.start()
+        self._receiver.start()
+        self._bus.add_link(self)
+
+    def audience_changed(self, topic: str, msg_type: type, depth: int) -> None:
+        """Tells the other end what is wanted here."""
+        if self._wanted_here.get(topic, 0) != depth:
+            self._wanted_here[topic] = depth
+            self._send_soon("want", topic, msg_type, depth)
+
+    def send_record(self, level: int, text: str) -> None:
+        """Has the other end log a text, at a level of the standard library's `logging`."""
+        self._send_soon("record", level, text)
+
+    def close(self) -> None:
+        """Ends it: what waits to be sent or received has half a second for it. Idempotent."""
+        self._bus.remove_link(self)
+        self._executor.call_soon(self._end)
+        for thread in (self._sender, self._receiver):
+            if thread.is_alive():
+                thread.join(_PATIENCE_S)
+        if not self._connection.closed:
+            with socket.socket(fileno=os.dup(self._connection.fileno())) as end:
+                _shut(end)
+            for thread in (self._sender, self._receiver):
+                if thread.is_alive():
+                    thread.join()
+            self._connection.close()
+        for subscription in self._wanted_there.values():
+            self._bus.remove_subscription(subscription)
+        self._wanted_there.clear()
+
+    def _thread(self, what: str, target: Callable[[], None]) -> threading.Thread:
+        return threading.Thread(target=target, name=f"link-{self._name}-{what}", daemon=True)
+
+    # On the sending thread.
+
+    def _send_all(self) -> None:
+        self._executor.spin_until(_FOR_EVER_NS, lambda: self._ending)
+        with socket.socket(fileno=os.dup(self._connection.fileno())) as end:
+            # The other end has everything, and will see that no more comes.
+            _shut(end, socket.SHUT_WR)
+
+    def _end(self) -> None:
+        self._ending = True
+
+    def _send_soon(self, *values: Any) -> None:
+        self._executor.call_soon(partial(self._send, *values))
+
+    def _send(self, *values: Any) -> None:
+        try:
+            data = pickle.dumps(values, pickle.HIGHEST_PROTOCOL)
+        except Exception as error:
+            self._report(f"cannot send {values[0]} {values[1]}", error)
+            return
+        try:
+            self._connection.send_bytes(data)
+        except OSError:
+            # The other end is gone; whoever started it says so.
+            self._ending = True
+
+    # On the receiving thread.
+
+    def _receive_all(self) -> None:
+        while True:
+            try:
+                data = self._connection.recv_bytes()
+            except (EOFError, OSError):
+                return
+            try:
+                what, *values = pickle.loads(data)
+                getattr(self, f"_take_{what}")(*values)
+            except Exception as error:
+                self._report("cannot take what it sends", error)
+
+    def _take_message(self, topic: str, message: Any) -> None:
+        self._bus.deliver_from(self, topic, message)
+
+    def _take_record(self, level: int, text: str) -> None:
+        if self._on_record is not None:
+            self._on_record(level, text)
+
+    def _take_want(self, topic: str, msg_type: type, depth: int) -> None:
+        known = self._wanted_there.get(topic)
+        if known is not None and depth:
+            known.resize(depth)
+        elif known is not None:
+            self._bus.remove_subscription(self._wanted_there.pop(topic))
+        elif depth:
+            send, schedule = partial(self._send, "message", topic), self._executor.call_soon
+            wanted = LocalSubscription(topic, send, depth, schedule, self)
+            self._bus.add_subscription(wanted, msg_type)
+            self._wanted_there[topic] = wanted
+
+    def _report(self, what: str, error: Exception) -> None:
+        message = f"{self._name}: {what}: {type(error).__name__}: {error}"
+        self._logger.log_throttle(message, _REPORT_S, "ERROR")
+
+
+def _shut(end: socket.socket, how: int = socket.SHUT_RDWR) -> None:
+    try:
+        end.shutdown(how)
+    except OSError:
+        # The other end has gone first.
+        pass

@@ -1,0 +1,243 @@
+"""Runs one command, and sees to it that none of its processes outlives the manager.
+
+A script of its own, started as `python -I -S guardian.py CONTROL_FD MANAGER_PID LINK_FD ARGV...`;
+it imports nothing but the standard library. LINK_FD is handed on to a node, and -1 else.
+
+Killing a shell leaves what it has put into the background, and killing a group leaves who has
+left the group. So the guardian adopts whatever descends from its command (on Linux, see
+PR_SET_CHILD_SUBREAPER in prctl(2)) and ends only when nothing of it is left.
+
+It stops the command when the manager says so, and at once when the manager is gone. To the
+manager it says, in lines: `started PID`, `ended PID CODE` (negative: that signal), `killed`,
+and `left PID ...` for processes that even SIGKILL did not end.
+"""
+
+import ctypes
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Callable
+
+# How long each signal may take, in seconds.
+LADDER = ((signal.SIGINT, 2.0), (signal.SIGTERM, 1.0), (signal.SIGKILL, 1.0))
+# The same when nobody waits for a proper end any more.
+SHORT_LADDER = ((signal.SIGINT, 0.4), (signal.SIGTERM, 0.4), (signal.SIGKILL, 1.0))
+PATIENCE_S = sum(seconds for _, seconds in LADDER)
+"""The longest that a stop takes."""
+
+# Who is being killed may still start others: look again this often.
+_KILL_AGAIN_S = 0.05
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
+_IS_LINUX = sys.platform == "linux"
+
+
+class Guardian:
+    """One command, its descendants, and the way to their end."""
+
+    def __init__(self, control: int, manager_pid: int) -> None:
+        self._control = control
+        self._ladder: list[tuple[int, float]] = []
+        self._stage_ends: float | None = None
+        self._is_killing = False
+        self._command = 0
+        # Signals arrive as bytes on a pipe, so that one poll waits for everything.
+        self._signals, write_end = os.pipe()
+        for fd in (write_end, self._signals):
+            os.set_blocking(fd, False)
+        signal.set_wakeup_fd(write_end)
+        for number in (signal.SIGCHLD, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda *_: None)
+        self._poll = select.poll()
+        for fd in (control, self._signals, *_watch(manager_pid)):
+            self._poll.register(fd, select.POLLIN)
+
+    def run(self, argv: list[str], link: int) -> None:
+        """Starts the command and returns when nothing is left of it."""
+        self._command = _start(argv, holds_signals=link >= 0)
+        if link >= 0:
+            # The other end is to notice when the node closes it.
+            os.close(link)
+        self._say(f"started {self._command}")
+        while self._reap():
+            self._climb()
+            for fd, _ in self._poll.poll(self._patience_ms()):
+                if fd == self._signals:
+                    if set(os.read(fd, 512)) - {signal.SIGCHLD}:
+                        self._stop(LADDER)
+                elif fd == self._control and _read(fd):
+                    self._stop(LADDER)
+                else:
+                    # The manager is gone, and says nothing more.
+                    self._poll.unregister(fd)
+                    self._stop(SHORT_LADDER)
+
+    def _stop(self, ladder: tuple[tuple[int, float], ...]) -> None:
+        if self._stage_ends is None:
+            self._ladder = list(ladder)
+            self._stage_ends = 0.0
+        elif ladder is SHORT_LADDER:
+            # Those who are on their way out already get no more than the short time.
+            self._ladder = list(ladder[len(ladder) - len(self._ladder) :])
+            self._stage_ends = min(self._stage_ends, time.monotonic() + ladder[0][1])
+
+    def _climb(self) -> None:
+        if self._stage_ends is None:
+            return
+        family = _descendants()
+        if self._is_killing:
+            self._signal(signal.SIGKILL, family)
+        while time.monotonic() >= self._stage_ends:
+            if not self._ladder:
+                self._say(f"left {' '.join(map(str, family))}")
+                os._exit(1)
+            number, seconds = self._ladder.pop(0)
+            self._is_killing = number == signal.SIGKILL
+            if self._is_killing:
+                self._say("killed")
+            self._signal(number, family)
+            # What a shell puts into the background ignores SIGINT: not worth waiting for.
+            if not family or any(_can_answer(pid, number) for pid in family):
+                self._stage_ends = time.monotonic() + seconds
+
+    def _signal(self, number: int, family: list[int]) -> None:
+        groups = {pid: _group_of(pid) for pid in family}
+        # An empty group's number may be somebody else's by now.
+        if not _IS_LINUX or self._command in groups.values():
+            _ignoring_absence(os.killpg, self._command, number)
+        for pid, group in groups.items():
+            if group != self._command:
+                _ignoring_absence(os.kill, pid, number)
+
+    def _patience_ms(self) -> float | None:
+        if self._stage_ends is None:
+            return None
+        left_s = max(0.0, self._stage_ends - time.monotonic())
+        return 1000 * (min(left_s, _KILL_AGAIN_S) if self._is_killing else left_s) + 1
+
+    def _reap(self) -> bool:
+        """Reports who has ended; tells whether anybody is left."""
+        while True:
+            try:
+                pid, status = os.waitpid(-1, os.WNOHANG)
+            except ChildProcessError:
+                return False
+            if not pid:
+                return True
+            code = os.waitstatus_to_exitcode(status)
+            self._say(f"ended {pid} {code}")
+            if pid == self._command and code != 0:
+                # What a command leaves behind that failed is of no use to anybody.
+                self._stop(SHORT_LADDER)
+
+    def _say(self, line: str) -> None:
+        try:
+            os.write(self._control, f"{line}\n".encode())
+        except OSError:
+            # Nobody listens any more.
+            pass
+
+
+def _start(argv: list[str], *, holds_signals: bool) -> int:
+    pid = os.fork()
+    if pid:
+        return pid
+    try:
+        os.setsid()
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        for number in (signal.SIGPIPE, signal.SIGXFSZ):
+            # Python ignores these two, and that would be inherited.
+            signal.signal(number, signal.SIG_DFL)
+        if holds_signals:
+            # Until it is ready for them; see node_main.
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+        os.execv(argv[0], argv)
+    except BaseException as error:
+        os.write(2, f"{argv[0]}: {error}\n".encode())
+    os._exit(127)
+
+
+def _prctl(option: int, value: int) -> None:
+    if _IS_LINUX:
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def _watch(pid: int) -> list[int]:
+    """A descriptor that becomes readable when that process is gone, where there is such a thing."""
+    if os.getppid() != pid:
+        # It is gone already; closed descriptors say so too.
+        return []
+    try:
+        return [os.pidfd_open(pid)]
+    except (AttributeError, OSError):
+        return []
+
+
+def _read(fd: int) -> bytes:
+    try:
+        return os.read(fd, 512)
+    except OSError:
+        return b""
+
+
+def _descendants() -> list[int]:
+    """Everybody who descends from this process and has not ended; none but on Linux."""
+    parents: dict[int, int] = {}
+    for name in os.listdir("/proc") if _IS_LINUX else ():
+        fields = _stat(name) if name.isdigit() else None
+        if fields is not None and fields[0] not in (b"Z", b"X"):
+            parents[int(name)] = int(fields[1])
+    family = {os.getpid()}
+    while grown := {pid for pid, parent in parents.items() if parent in family} - family:
+        family |= grown
+    return sorted(family - {os.getpid()})
+
+
+def _stat(pid: str | int) -> list[bytes] | None:
+    """State, parent, group, ... of a process, from proc(5)."""
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:
+            # The second field is the name, in brackets, and may hold anything.
+            return file.read().rpartition(b")")[2].split()
+    except OSError:
+        return None
+
+
+def _group_of(pid: int) -> int:
+    fields = _stat(pid)
+    return int(fields[2]) if fields else 0
+
+
+def _can_answer(pid: int, number: int) -> bool:
+    fields = _stat(pid)
+    if number == signal.SIGKILL:
+        return True
+    if fields is None or fields[0] in (b"T", b"t"):
+        return False
+    try:
+        with open(f"/proc/{pid}/status", encoding="ascii", errors="replace") as file:
+            masks = [line.split()[1] for line in file if line.startswith("SigIgn:")]
+    except OSError:
+        return False
+    return not any(int(mask, 16) >> (number - 1) & 1 for mask in masks)
+
+
+def _ignoring_absence(kill: Callable[[int, int], None], whom: int, number: int) -> None:
+    try:
+        kill(whom, number)
+    except OSError:
+        # It has ended meanwhile, or is not ours to signal.
+        pass
+
+
+def main() -> None:
+    """Guards the command that the arguments name."""
+    control, manager_pid, link = (int(number) for number in sys.argv[1:4])
+    os.set_inheritable(control, False)
+    _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+    Guardian(control, manager_pid).run(sys.argv[4:], link)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""What a node's own process does. Its bootstrap is in `launch.py`."""
+
+import logging
+import os
+import pickle
+import signal
+import sys
+from multiprocessing import spawn
+from multiprocessing.connection import Connection
+from types import FrameType
+from typing import Any
+
+from rosbase.connection import name_lone_nodes
+from rosbase.local import Link, process_bus
+from rosbase.processes.registration import refuse_registration
+
+__all__ = ["main"]
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class _ToManager(logging.Handler):
+    """Sends records to the manager, which writes them into its own log."""
+
+    def __init__(self, link: Link) -> None:
+        super().__init__()
+        self._link = link
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._link.send_record(record.levelno, self.format(record))
+
+
+def main(connection: "Connection[Any, Any]") -> None:
+    """Makes the node that the manager asks for, and spins it until it is stopped."""
+    for number in _SIGNALS:
+        # While modules are imported and the node is built; spinning has its own way.
+        signal.signal(number, _leave)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+    os.set_inheritable(connection.fileno(), False)
+    surroundings, (node, name, log_level) = connection.recv(), connection.recv()
+    refuse_registration(
+        "this is a child process, importing the main module of the program: put what starts "
+        "the program under `if __name__ == '__main__':`"
+    )
+    spawn.prepare(surroundings)
+    node_class = pickle.loads(node)
+    refuse_registration("")
+    name_lone_nodes(name)
+    link = Link(process_bus(), connection, "manager")
+    link.start()
+    _log_to(link, log_level)
+    try:
+        node_class().start_spin_standalone()
+    finally:
+        link.close()
+
+
+def _log_to(link: Link, level: int) -> None:
+    logger = logging.getLogger("rosbase")
+    logger.setLevel(level)
+    logger.addHandler(_ToManager(link))
+    logger.propagate = False
+
+
+def _leave(signum: int, frame: FrameType | None) -> None:
+    sys.exit(0)

@@ -1,0 +1,178 @@
+"""The two functions that programs call, and the children that nobody has claimed yet."""
+
+import atexit
+import weakref
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rosbase.errors import ConfigurationError
+from rosbase.logger import RosbaseLogger
+from rosbase.processes.child import ChildProcess
+from rosbase.processes.launch import CommandLaunch, Launch, NodeLaunch
+from rosbase.processes.restart import RestartPolicy, RestartWhen
+from rosbase.processes.supervisor import Supervisor
+
+__all__ = [
+    "ChildProcesses",
+    "refuse_registration",
+    "register_multiprocess_nodes",
+    "shutdown_multiprocess_nodes",
+    "shutdown_unclaimed",
+]
+
+Restart = RestartWhen | RestartPolicy
+
+_refusal = ""
+
+
+class ChildProcesses(Mapping[str, ChildProcess]):
+    """The children of one manager, by name."""
+
+    def __init__(self, children: Mapping[str, ChildProcess], logger: RosbaseLogger) -> None:
+        self._children = dict(children)
+        self._supervisor = Supervisor(list(children.values()), logger) if children else None
+
+    def __getitem__(self, name: str) -> ChildProcess:
+        """The child of that name."""
+        return self._children[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names, in order of registration."""
+        return iter(self._children)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._children)
+
+    def start(self) -> None:
+        """Starts them all.
+
+        Raises:
+            OSError: One could not be started. Those before it have been stopped.
+        """
+        if self._supervisor is not None:
+            self._supervisor.start()
+            _running.add(self)
+            _unclaimed.append(self)
+
+    def claim(self, logger: RosbaseLogger) -> None:
+        """Makes them those of a manager, which stops them, and in whose log they write."""
+        if self in _unclaimed:
+            _unclaimed.remove(self)
+        if self._supervisor is not None:
+            self._supervisor.logger = logger
+
+    def shutdown(self) -> None:
+        """Stops them all, in bounded time. Harmless when done."""
+        if self._supervisor is not None:
+            self._supervisor.stop()
+        if self in _unclaimed:
+            _unclaimed.remove(self)
+
+    # Two groups are never the same, whatever is in them.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+
+_unclaimed: list[ChildProcesses] = []
+_running: "weakref.WeakSet[ChildProcesses]" = weakref.WeakSet()
+
+
+def register_multiprocess_nodes(
+    mp_nodes_dict: Mapping[str, Any] | None = None,
+    cmds_dict: Mapping[str, str] | None = None,
+    *,
+    restart: Restart | Mapping[str, Restart] = "never",
+    logger: RosbaseLogger | None = None,
+) -> ChildProcesses:
+    """Starts nodes and shell commands in processes of their own.
+
+    Give the result to `start_main_loop_timer`, which stops them when the manager ends. If the
+    manager cannot be built, or the program ends otherwise, they are stopped too; and also when
+    it is killed, on Linux.
+
+    Args:
+        mp_nodes_dict: Node classes by name. Each is made without arguments, in a new Python
+            process; its node has the name of the key. The topics of the local backend reach
+            from there to here and back.
+        cmds_dict: Commands for `/bin/sh` by name, with pipes and a trailing `&` if you like.
+        restart: What to do when one ends by itself: `never`, `on-failure`, `always` or a
+            `RestartPolicy`; for all of them, or by name.
+        logger: Where output and ends are written until a manager puts its own in its place.
+
+    Returns:
+        The children, by name.
+
+    Raises:
+        ConfigurationError: A name stands for two, or is none of those given; or another
+            process cannot find a node's class.
+        OSError: The machine refuses to start one. Those before it have been stopped.
+        RuntimeError: This is the child itself, importing the program's main module.
+    """
+    if _refusal:
+        raise RuntimeError(_refusal)
+    logger = logger or RosbaseLogger("processes")
+    launches = _launches(mp_nodes_dict or {}, cmds_dict or {}, logger)
+    policies = _policies(restart, launches)
+    children = {
+        name: ChildProcess(name, launch, policies[name]) for name, launch in launches.items()
+    }
+    processes = ChildProcesses(children, logger)
+    processes.start()
+    return processes
+
+
+def shutdown_multiprocess_nodes(processes: ChildProcesses | None) -> None:
+    """Stops the children: SIGINT, SIGTERM, SIGKILL, with bounded waits. Harmless when done."""
+    if processes:
+        processes.shutdown()
+
+
+def shutdown_unclaimed() -> None:
+    """Stops the children that no manager has taken over. Called when one cannot be built."""
+    for processes in list(_unclaimed):
+        processes.shutdown()
+
+
+def refuse_registration(why: str) -> None:
+    """Has every registration raise RuntimeError with that message; an empty one ends this."""
+    global _refusal  # noqa: PLW0603 - it concerns the process
+    _refusal = why
+
+
+@atexit.register
+def _shutdown_all() -> None:
+    for processes in list(_running):
+        processes.shutdown()
+
+
+def _launches(
+    nodes: Mapping[str, Any], commands: Mapping[str, str], logger: RosbaseLogger
+) -> dict[str, Launch]:
+    for name in nodes:
+        if name in commands:
+            raise ConfigurationError(f"'{name}' is the name of a node and of a command")
+    for name, command in commands.items():
+        if not isinstance(command, str):
+            raise ConfigurationError(f"command '{name}' is a text for the shell, not {command!r}")
+    launches: dict[str, Launch] = {
+        name: NodeLaunch(name, node_class, logger.level) for name, node_class in nodes.items()
+    }
+    return launches | {name: CommandLaunch(command) for name, command in commands.items()}
+
+
+def _policies(
+    restart: Restart | Mapping[str, Restart], launches: Mapping[str, Launch]
+) -> dict[str, RestartPolicy]:
+    by_name = restart if isinstance(restart, Mapping) else dict.fromkeys(launches, restart)
+    if unknown := sorted(set(by_name) - set(launches)):
+        raise ConfigurationError(f"no child is called {', '.join(unknown)}")
+    try:
+        return {
+            name: policy if isinstance(policy, RestartPolicy) else RestartPolicy(policy)
+            for name, policy in (dict.fromkeys(launches, RestartPolicy()) | dict(by_name)).items()
+        }
+    except ValueError:
+        raise ConfigurationError(
+            f"restart is one of never, on-failure, always, not {restart!r}"
+        ) from None

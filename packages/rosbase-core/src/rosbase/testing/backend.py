@@ -1,0 +1,22 @@
+"""A backend in virtual time."""
+
+from rosbase.backend import BackendOptions
+from rosbase.clock import Clock
+from rosbase.local import Bus, LocalBackend
+from rosbase.parameters import ParameterValue
+from rosbase.testing.clock import ManualClock
+
+__all__ = ["virtual_backend"]
+
+
+def virtual_backend(
+    clock: Clock | None = None, node_name: str = "test", **parameters: ParameterValue
+) -> LocalBackend:
+    """A local backend for one test: its own topics, and time that takes none.
+
+    Args:
+        clock: Its clock; a new `ManualClock` by default.
+        node_name: The name of the manager or node that is to use it.
+        parameters: Values that win over the defaults of parameters declared later.
+    """
+    return LocalBackend(BackendOptions(node_name, parameters, clock or ManualClock()), Bus())

@@ -1,0 +1,62 @@
+"""A clock that stands still until somebody waits or turns it."""
+
+import threading
+from collections.abc import Callable
+
+from rosbase.messages import Time
+
+__all__ = ["ManualClock"]
+
+_NS_PER_S = 1_000_000_000
+
+
+class ManualClock:
+    """Virtual time: a wait that nobody ends takes none of the real one.
+
+    What waits on this clock finds itself at the end of the wait at once. So a manager with its
+    timers and its handlers runs as fast as the machine can, and the same way each time.
+    """
+
+    def __init__(self, now_ns: int = 1_700_000_000_000_000_000) -> None:
+        """Starts at that date, in nanoseconds since the Unix epoch; it has been running for 0 s."""
+        self.date_ns = now_ns
+        """The date at which the clock was started. Set it to step the date, as NTP may."""
+        self.elapsed_ns = 0
+        """How long it has been running."""
+
+    def now(self) -> Time:
+        """The date, for stamps."""
+        return Time.from_nanoseconds(self.now_ns())
+
+    def now_ns(self) -> int:
+        """The date in nanoseconds since the Unix epoch."""
+        return self.date_ns + self.elapsed_ns
+
+    def monotonic_ns(self) -> int:
+        """Nanoseconds since the clock was started."""
+        return self.elapsed_ns
+
+    def advance(self, seconds: float) -> None:
+        """Turns the clock. In a callback, that is how long the callback takes.
+
+        Raises:
+            ValueError: Time does not go back.
+        """
+        if seconds < 0:
+            raise ValueError(f"time cannot be turned back by {-seconds:g} s")
+        self.elapsed_ns += round(seconds * _NS_PER_S)
+
+    def sleep(self, seconds: float) -> None:
+        """Moves on by that long."""
+        self.advance(seconds)
+
+    def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
+        """A function that moves on by so many seconds, unless the lock can be taken."""
+
+        def wait(timeout_s: float) -> bool:
+            if wakeup.acquire(blocking=False):
+                return True
+            self.advance(timeout_s)
+            return False
+
+        return wait

@@ -1,0 +1,172 @@
+"""Topics shared with another process: here, two buses of one, over a real socket pair."""
+
+import socket
+import threading
+from collections.abc import Iterator
+from multiprocessing.connection import Connection
+from typing import Any
+
+import pytest
+from attrs import frozen
+
+from rosbase.backend import BackendOptions
+from rosbase.local import Bus, Link, LocalBackend
+from rosbase.messages import Header, Imu, Time, Vector3
+from support.waiting import wait_until
+
+
+class Side:
+    """A backend on a bus of its own, and its end of the link."""
+
+    def __init__(self, end: socket.socket, name: str) -> None:
+        self.bus = Bus()
+        self.records: list[tuple[int, str]] = []
+        self.backend = LocalBackend(BackendOptions(name), self.bus)
+        connection: Connection[Any, Any] = Connection(end.detach())
+        self.link = Link(self.bus, connection, name, lambda *record: self.records.append(record))
+
+    def knows_audience(self, topic: str) -> bool:
+        return topic in self.bus._topics and bool(self.bus._topics[topic].subscriptions)
+
+
+@pytest.fixture
+def sides() -> Iterator[tuple[Side, Side]]:
+    ends = socket.socketpair()
+    pair = Side(ends[0], "here"), Side(ends[1], "there")
+    for side in pair:
+        side.link.start()
+    yield pair
+    for side in pair:
+        side.link.close()
+        side.link.close()
+        side.backend.close()
+
+
+def spin(side: Side, until: Any) -> None:
+    deadline_ns = side.backend.clock.monotonic_ns() + 20 * 10**9
+    side.backend.spin_until(deadline_ns, until)
+
+
+def test_messages_arrive_in_order_none_lost_both_ways(sides: tuple[Side, Side]) -> None:
+    for here, there in (sides, sides[::-1]):
+        got: list[int] = []
+        there.backend.create_subscription(Vector3, "scan", lambda v, g=got: g.append(v.x), 5000)  # type: ignore[misc]
+        wait_until(lambda h=here: h.knows_audience("/scan"), "the audience")  # type: ignore[misc]
+        publisher = here.backend.create_publisher(Vector3, "scan", 1)
+        for number in range(2000):
+            publisher.publish(Vector3(x=float(number)))
+        spin(there, lambda g=got: len(g) >= 2000)
+        assert got == list(range(2000))
+        there.backend.close()
+        there.backend = LocalBackend(BackendOptions("again"), there.bus)
+
+
+def test_nothing_is_sent_that_nobody_wants(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    sent: list[Any] = []
+    send = here.link._send
+    here.link._send = lambda *values: (sent.append(values), send(*values))  # type: ignore[method-assign]
+    subscription = there.backend.create_subscription(Header, "scan", print, 1)
+    wait_until(lambda: here.knows_audience("/scan"), "the audience")
+    there.backend.destroy_subscription(subscription)
+    wait_until(lambda: not here.knows_audience("/scan"), "the end of the audience")
+    here.backend.create_publisher(Header, "scan", 1).publish(Header())
+    here.backend.create_publisher(Header, "other", 1).publish(Header())
+    here.link.close()
+    assert sent == []
+
+
+def test_a_message_does_not_come_back(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    got: dict[str, list[Header]] = {"here": [], "there": []}
+    for name, side in zip(got, sides, strict=True):
+        side.backend.create_subscription(Header, "scan", got[name].append, 10)
+    wait_until(lambda: len(here.bus._topics["/scan"].subscriptions) == 2, "the audience")
+    here.backend.create_publisher(Header, "scan", 1).publish(Header(frame_id="a"))
+    spin(there, lambda: got["there"])
+    there.backend.create_publisher(Header, "scan", 1).publish(Header(frame_id="b"))
+    spin(here, lambda: len(got["here"]) == 2)
+    assert [m.frame_id for m in got["here"]] == ["a", "b"]
+    assert [m.frame_id for m in got["there"]] == ["a", "b"] or got["there"][0].frame_id == "a"
+
+
+def test_a_slow_receiver_loses_the_oldest_and_never_blocks_the_publisher() -> None:
+    ends = socket.socketpair()
+    here = Side(ends[0], "here")
+    here.link.start()
+    there: Connection[Any, Any] = Connection(ends[1].detach())
+    there.send(("want", "/scan", Vector3, 3))
+    wait_until(lambda: here.knows_audience("/scan"), "the audience")
+    publisher = here.backend.create_publisher(Vector3, "scan", 1)
+    for number in range(20_000):
+        publisher.publish(Vector3(x=float(number)))
+    got: list[float] = []
+    thread = threading.Thread(target=here.link.close)
+    thread.start()
+    with pytest.raises(EOFError):
+        while True:
+            got.append(there.recv()[2].x)
+    thread.join()
+    there.close()
+    here.backend.close()
+    assert got == sorted(got)
+    assert got[-1] == 19_999
+    assert len(got) < 20_000
+
+
+def test_a_type_that_contradicts_is_reported_and_the_rest_goes_on(
+    sides: tuple[Side, Side], caplog: pytest.LogCaptureFixture
+) -> None:
+    here, there = sides
+    here.backend.create_publisher(Time, "scan", 1)
+    there.backend.create_subscription(Header, "scan", print, 1)
+    wait_until(lambda: "/scan carries Time, so it cannot carry Header" in caplog.text, "the report")
+    there.backend.create_subscription(Header, "other", print, 1)
+    wait_until(lambda: here.knows_audience("/other"), "the other topic")
+
+
+@frozen
+class Handle:
+    """A message that cannot leave its process."""
+
+    lock: Any
+
+
+def test_a_message_that_cannot_be_pickled_is_reported_and_the_rest_goes_on(
+    sides: tuple[Side, Side], caplog: pytest.LogCaptureFixture
+) -> None:
+    here, there = sides
+    got: list[Handle] = []
+    there.backend.create_subscription(Handle, "scan", got.append, 5)
+    wait_until(lambda: here.knows_audience("/scan"), "the audience")
+    publisher = here.backend.create_publisher(Handle, "scan", 1)
+    publisher.publish(Handle(threading.Lock()))
+    publisher.publish(Handle(7))
+    spin(there, lambda: got)
+    assert got == [Handle(7)]
+    assert "cannot send message /scan: TypeError: cannot pickle" in caplog.text
+
+
+def test_a_deeper_subscription_deepens_the_link(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    there.backend.create_subscription(Imu, "imu", print, 3)
+    wait_until(lambda: here.knows_audience("/imu"), "the audience")
+    there.backend.create_subscription(Imu, "imu", print, 9)
+    wait_until(lambda: here.bus._topics["/imu"].subscriptions[0].depth == 9, "the depth")
+    assert len(here.bus._topics["/imu"].subscriptions) == 1
+
+
+def test_records_arrive_with_their_level(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    here.link.send_record(30, "hot")
+    wait_until(lambda: there.records == [(30, "hot")], "the record")
+
+
+def test_the_end_of_the_other_process_ends_the_audience(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    there.backend.create_subscription(Header, "scan", print, 1)
+    wait_until(lambda: here.knows_audience("/scan"), "the audience")
+    there.link.close()
+    here.link.close()
+    assert not here.knows_audience("/scan")
+    here.backend.create_publisher(Header, "scan", 1).publish(Header())
