@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from hypothesis import strategies as st
 
+from rosbase.fsm import ANY
 from rosbase.lifecycle import TRANSITIONS, CallbackReturn
 
 answers = st.sampled_from(CallbackReturn)
@@ -82,3 +83,42 @@ def chunkings(draw: st.DrawFn, data: bytes) -> list[bytes]:
     cuts = draw(st.lists(st.integers(0, len(data)), max_size=20))
     edges = [0, *sorted(cuts), len(data)]
     return [data[start:end] for start, end in pairwise(edges)]
+
+
+FSM_STATES = ("a", "b", "c", "d")
+FSM_EVENTS = ("x", "y")
+
+# Rows of a task state machine: sources, target, event, whether there is a guard.
+FsmRow = tuple[str | tuple[str, ...], str, str | None, bool]
+
+
+@st.composite
+def fsm_tables(draw: st.DrawFn) -> list[FsmRow]:
+    """Tables that begin at "a" and in which every row can be taken."""
+    states, events = st.sampled_from(FSM_STATES), st.sampled_from([None, *FSM_EVENTS])
+    sources = states | st.lists(states, min_size=1, unique=True).map(tuple) | st.just(ANY)
+    table: list[FsmRow] = [("a", "b", None, True)]
+    closed: set[tuple[str, str | None]] = set()
+    for row in draw(st.lists(st.tuples(sources, states, events, st.booleans()), max_size=10)):
+        source, target, event, guarded = row
+        left = set(source) if source != ANY else set(FSM_STATES) - {target}
+        open_here = {(state, event) for state in left} - closed
+        if len(open_here) == len(left):
+            table.append(row)
+            closed |= set() if guarded else open_here
+    return table
+
+
+fsm_truths = st.lists(st.booleans(), min_size=11, max_size=11)
+
+# What happens to a task state machine: a step, an event, or a state set by somebody else;
+# and which guards hold then.
+fsm_happenings = st.lists(
+    st.tuples(
+        st.just(("step", ""))
+        | st.sampled_from(FSM_EVENTS).map(lambda event: ("send", event))
+        | st.sampled_from(FSM_STATES).map(lambda state: ("set", state)),
+        fsm_truths,
+    ),
+    max_size=30,
+)

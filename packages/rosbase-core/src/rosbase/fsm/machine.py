@@ -1,0 +1,204 @@
+"""The machine: where it is, and the one way in which it gets from state to state."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Protocol
+
+from rosbase.fsm.mermaid import draw
+from rosbase.fsm.table import Table
+from rosbase.fsm.transition import Action, Transition
+
+__all__ = ["Machine", "StateHolder"]
+
+
+class StateHolder(Protocol):
+    """An object in whose attribute the state lives, such as handlers: theirs is the manager's."""
+
+    state: str | None
+
+
+class Machine:
+    """Takes transitions of a table, one at a time. Driven by one thread, it reads no time.
+
+    A transition is, in this order: `on_exit` of its source, the change of the state, its
+    `then`, `on_enter` of its target, `on_transition`. Whatever one of them raises comes out
+    of `step` or `send`, and what stands after it in that order is left out. If `on_exit`
+    raised, the machine is still in the source, and the same transition may be taken again;
+    after that it is in the target.
+
+    With a holder others may set the state too. The machine follows at its next step or
+    event, before anything else: `on_exit` of the state it knew, `on_enter` of the new one.
+    No transition of the table was taken then, so `on_transition` is not called.
+    """
+
+    def __init__(
+        self,
+        initial: str,
+        transitions: Iterable[Transition],
+        *,
+        on_enter: Mapping[str, Action] | None = None,
+        on_exit: Mapping[str, Action] | None = None,
+        during: Mapping[str, Action] | None = None,
+        on_transition: Callable[[Transition], object] | None = None,
+        holder: StateHolder | None = None,
+    ) -> None:
+        """Checks the table and calls nothing; the first step enters the initial state.
+
+        Args:
+            initial: The state to begin in, unless the holder has one already.
+            transitions: The table. Of those that could be taken, the first one is.
+            on_enter: By state, called when it is entered.
+            on_exit: By state, called when it is left.
+            during: By state, called at the end of each step in it, the one that entered it
+                included.
+            on_transition: Called with each transition that was taken, when all is done.
+            holder: Where the state lives; by default in the machine itself.
+
+        Raises:
+            ValueError: The initial state or that of an action is not in the table, a row can
+                never be taken, or, without a holder, no way leads to a state.
+        """
+        self._table = Table(initial, transitions)
+        self._on_enter = self._checked("on_enter", on_enter)
+        self._on_exit = self._checked("on_exit", on_exit)
+        self._during = self._checked("during", during)
+        self._on_transition = on_transition
+        self._holder = holder
+        self._state: str | None = None
+        self._previous: str | None = None
+        self._steps_in_state = 0
+        self._busy = False
+        unreachable = self._table.unreachable()
+        if holder is None and unreachable:
+            raise ValueError(f"no way leads from {initial!r} to {', '.join(unreachable)}")
+
+    @property
+    def state(self) -> str:
+        """The state that the machine is in; before the first step, the one it will enter.
+
+        What others set in the holder is seen here once the machine has followed.
+        """
+        held = self._holder.state if self._holder is not None else None
+        return self._state or held or self._table.initial
+
+    @property
+    def previous(self) -> str | None:
+        """The state before this one; None as long as there was none."""
+        return self._previous
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """All states: the initial one, then in the order of the table."""
+        return self._table.states
+
+    @property
+    def steps_in_state(self) -> int:
+        """How many steps have begun since the state was entered.
+
+        It is 0 in the step that enters a state, and n in the n-th one after that: at 10 steps
+        a second, `steps_in_state >= 20` holds two seconds after the state was entered.
+        """
+        return self._steps_in_state
+
+    def step(self) -> Transition | None:
+        """Takes the first polled transition whose guard holds, if any; then runs `during`.
+
+        Returns:
+            The transition that was taken.
+
+        Raises:
+            RuntimeError: Called by a guard or an action of this machine.
+            ValueError: The holder was given a state that is not in the table.
+        """
+        with self._alone("step"):
+            self._steps_in_state += 1
+            taken = self._take_first(self._arrive(), None)
+            during = self._during.get(self.state)
+            if during is not None:
+                during()
+            return taken
+
+    def send(self, event: str) -> Transition | None:
+        """Takes the first transition for that event whose guard holds, if any. No `during`.
+
+        Returns:
+            The transition that was taken; None where the present state has none.
+
+        Raises:
+            RuntimeError: Called by a guard or an action of this machine.
+            ValueError: No row at all has that event, or the holder was given a state that is
+                not in the table.
+        """
+        if event not in self._table.events:
+            raise ValueError(f"no transition has the event {event!r}")
+        with self._alone("send"):
+            return self._take_first(self._arrive(), event)
+
+    def to_mermaid(self) -> str:
+        """The table as the text of a Mermaid state diagram, with a line end after each line."""
+        return draw(self._table)
+
+    def _checked(self, what: str, actions: Mapping[str, Action] | None) -> dict[str, Action]:
+        for state in actions or {}:
+            if state not in self._table.states:
+                raise ValueError(f"{what} has the state {state!r}, which is not in the table")
+        return dict(actions or {})
+
+    @contextmanager
+    def _alone(self, what: str) -> Iterator[None]:
+        if self._busy:
+            raise RuntimeError(f"{what}() was called from within a step of the same machine")
+        self._busy = True
+        try:
+            yield
+        finally:
+            self._busy = False
+
+    def _arrive(self) -> str:
+        """Enters the first state, or follows the holder; gives the state to go on from."""
+        wanted = self._wanted()
+        if wanted is None or wanted not in self._table.states:
+            raise ValueError(f"the state was set to {wanted!r}, which is not in the table")
+        if wanted != self._state:
+            self._leave(self._state)
+            self._change(wanted)
+            self._enter(wanted)
+        return wanted
+
+    def _wanted(self) -> str | None:
+        held = self._holder.state if self._holder is not None else self._state
+        if held is None and self._state is None:
+            return self._table.initial
+        return held
+
+    def _take_first(self, state: str, event: str | None) -> Transition | None:
+        for row in self._table.leaving(state, event):
+            if row.when is None or row.when():
+                self._take(row)
+                return row
+        return None
+
+    def _take(self, row: Transition) -> None:
+        self._leave(self._state)
+        self._change(row.target)
+        if row.then is not None:
+            row.then()
+        self._enter(row.target)
+        if self._on_transition is not None:
+            self._on_transition(row)
+
+    def _leave(self, state: str | None) -> None:
+        action = self._on_exit.get(state) if state is not None else None
+        if action is not None:
+            action()
+
+    def _change(self, state: str) -> None:
+        self._previous, self._state = self._state, state
+        self._steps_in_state = 0
+        if self._holder is not None:
+            self._holder.state = state
+
+    def _enter(self, state: str) -> None:
+        action = self._on_enter.get(state)
+        if action is not None:
+            action()
