@@ -3,7 +3,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosbase import messages
 from rosbase.messages import COVARIANCE_NOT_REPORTED, Imu, MagneticField, Quaternion, Time
+
+# From common_interfaces (jazzy): msg/*.msg of std_msgs, geometry_msgs and sensor_msgs.
+FIELDS = {
+    "Bool": "data",
+    "Header": "stamp frame_id",
+    "JointState": "header name position velocity effort",
+    "Joy": "header axes buttons",
+    "Point": "x y z",
+    "PointStamped": "header point",
+    "Pose": "position orientation",
+    "PoseStamped": "header pose",
+    "Quaternion": "x y z w",
+    "String": "data",
+    "Twist": "linear angular",
+    "Vector3": "x y z",
+}
 
 
 @given(st.integers(-(10**18), 10**19))
@@ -17,6 +34,13 @@ def test_defaults_are_those_of_ros() -> None:
     assert Imu().orientation == Quaternion(0.0, 0.0, 0.0, 1.0)
     assert Imu().angular_velocity_covariance == (0.0,) * 9
     assert COVARIANCE_NOT_REPORTED[0] == -1.0
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_message_has_the_fields_of_ros_in_their_order(name: str) -> None:
+    kind = getattr(messages, name)
+    assert [field.name for field in attrs.fields(kind)] == FIELDS[name].split()
+    assert kind() == kind()
 
 
 @pytest.mark.parametrize("message", [Imu(), MagneticField()])

@@ -14,12 +14,21 @@ from attrs import Attribute, field, frozen
 __all__ = [
     "COVARIANCE_NOT_REPORTED",
     "COVARIANCE_UNKNOWN",
+    "Bool",
     "Covariance",
     "Header",
     "Imu",
+    "JointState",
+    "Joy",
     "MagneticField",
+    "Point",
+    "PointStamped",
+    "Pose",
+    "PoseStamped",
     "Quaternion",
+    "String",
     "Time",
+    "Twist",
     "Vector3",
 ]
 
@@ -75,6 +84,20 @@ class Header:
 
 
 @frozen
+class Bool:
+    """Yes or no (std_msgs/Bool)."""
+
+    data: bool = False
+
+
+@frozen
+class String:
+    """A text (std_msgs/String)."""
+
+    data: str = ""
+
+
+@frozen
 class Vector3:
     """Three components along the axes of a right-handed frame (geometry_msgs/Vector3)."""
 
@@ -91,6 +114,79 @@ class Quaternion:
     y: float = 0.0
     z: float = 0.0
     w: float = 1.0
+
+
+@frozen
+class Point:
+    """A place in a frame, in metres (geometry_msgs/Point)."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@frozen
+class PointStamped:
+    """A place, when it was there, and in which frame (geometry_msgs/PointStamped)."""
+
+    header: Header = Header()
+    point: Point = Point()
+
+
+@frozen
+class Pose:
+    """Where something is, and how it is turned (geometry_msgs/Pose)."""
+
+    position: Point = Point()
+    """In metres."""
+    orientation: Quaternion = Quaternion()
+    """A unit quaternion."""
+
+
+@frozen
+class PoseStamped:
+    """A pose, when it was so, and in which frame (geometry_msgs/PoseStamped)."""
+
+    header: Header = Header()
+    pose: Pose = Pose()
+
+
+@frozen
+class Twist:
+    """How fast something moves and turns, or should (geometry_msgs/Twist)."""
+
+    linear: Vector3 = Vector3()
+    """m/s; forward, left and up for a robot."""
+    angular: Vector3 = Vector3()
+    """rad/s about the same axes; positive z turns left."""
+
+
+@frozen
+class Joy:
+    """What a joystick's axes and buttons are at (sensor_msgs/Joy)."""
+
+    header: Header = Header()
+    axes: tuple[float, ...] = ()
+    """-1 to 1 each; left and forward are positive."""
+    buttons: tuple[int, ...] = ()
+    """1 while it is pressed, else 0."""
+
+
+@frozen
+class JointState:
+    """The joints of a robot (sensor_msgs/JointState).
+
+    Each tuple has one element per name, or is empty where that is not known.
+    """
+
+    header: Header = Header()
+    name: tuple[str, ...] = ()
+    position: tuple[float, ...] = ()
+    """rad, or m for a joint that slides."""
+    velocity: tuple[float, ...] = ()
+    """rad/s, or m/s."""
+    effort: tuple[float, ...] = ()
+    """Nm, or N."""
 
 
 @frozen
