@@ -16,6 +16,7 @@ nox.options.reuse_existing_virtualenvs = True
 nox.needs_version = ">=2024.4.15"
 
 PACKAGES = Path("packages")
+EXAMPLES = Path("docs/examples")
 # A distribution, the packages that its wheel needs beside those from the index, its tests.
 DISTRIBUTIONS = {
     "rosbase-core": (["rosbase-core"], "tests/core"),
@@ -93,6 +94,9 @@ def typing(session: nox.Session) -> None:
     session.run("mypy", "packages/rosbase-core/src", "packages/imu-serial/src")
     for folder in ("core", "imu_serial", "integration", "docs", "benchmarks"):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
+    for example in sorted(EXAMPLES.glob("*/")):
+        # One by one: each is run from its own folder, and module names repeat.
+        session.run("mypy", str(example), env={"MYPYPATH": str(example)})
 
 
 @nox.session

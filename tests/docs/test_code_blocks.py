@@ -19,6 +19,7 @@ PAGES = sorted(
     [
         *ROOT.glob("*.md"),
         *ROOT.glob("docs/*.md"),
+        *ROOT.glob("docs/examples/*/*.md"),
         *ROOT.glob("packages/*/*.md"),
         ROOT / "tests/README.md",
     ]
@@ -48,7 +49,9 @@ def of_kind(kind: str) -> list[str]:
 
 
 def test_every_block_is_of_a_kind_that_is_checked() -> None:
-    assert {block.kind for block in BLOCKS.values()} <= {"bash", "python", "text", "toml"}
+    # The diagrams are checked by tests/integration/test_examples.py.
+    kinds = {"bash", "mermaid", "python", "text", "toml"}
+    assert {block.kind for block in BLOCKS.values()} <= kinds
     assert len(BLOCKS) >= 8
 
 
