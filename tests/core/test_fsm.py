@@ -222,6 +222,26 @@ def test_the_machine_follows_a_state_that_was_set_by_others() -> None:
     assert traced.trace[3:] == ["exit c", "enter b"]
 
 
+def test_an_action_may_set_the_state_of_the_holder_and_the_next_step_follows() -> None:
+    holder = Holder()
+    entered: list[str] = []
+
+    def give_up() -> None:
+        entered.append("b")
+        holder.state = "c"
+
+    machine = Machine(
+        "a",
+        [Transition("a", "b"), Transition("c", "a", event="go")],
+        on_enter={"b": give_up, "c": lambda: entered.append("c")},
+        holder=holder,
+    )
+    machine.step()
+    assert (machine.state, entered) == ("b", ["b"])
+    machine.step()
+    assert (machine.state, machine.previous, entered) == ("c", "b", ["b", "c"])
+
+
 @pytest.mark.parametrize("state", ["bb", None])
 def test_a_state_that_no_table_knows_is_named(state: str | None) -> None:
     holder = Holder()
@@ -261,6 +281,7 @@ def test_handlers_hold_the_state_of_the_manager() -> None:
         ({"target": None}, "not None"),
         ({"source": ()}, "the transition to 'b' has no source"),
         ({"source": ("a", "")}, "not ''"),
+        ({"source": ("a", "a")}, "the transition to 'b' names a source twice"),
         ({"source": ("a", ANY)}, "ANY stands alone"),
         ({"target": ANY}, "ANY cannot be the target"),
         ({"event": ""}, "has an event without a name"),
@@ -351,6 +372,16 @@ def test_the_diagram_shows_every_transition_and_where_it_ends() -> None:
         "    d --> stop : stop\n"
         "    stop --> [*]\n"
     )
+
+
+def test_a_transition_gives_its_reason_in_words_if_there_are_any() -> None:
+    def _is_near() -> bool:
+        return True
+
+    assert Transition("a", "b", when=_is_near).reason == "[is_near]"
+    assert Transition("a", "b", when=lambda: True).reason == ""
+    assert Transition("a", "b", when=partial(bool, 1), event="go").reason == "go"
+    assert Transition("a", "b", when=_is_near, event="go", label="near").reason == "near"
 
 
 def test_names_that_a_diagram_cannot_take_get_an_alias() -> None:

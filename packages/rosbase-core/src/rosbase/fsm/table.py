@@ -48,7 +48,7 @@ class Table:
     def _sources(self, row: Transition) -> list[str]:
         if row.source == ANY:
             return [state for state in self.states if state != row.target]
-        return list(dict.fromkeys(row.sources))
+        return list(row.sources)
 
     def _add(self, row: Transition) -> None:
         sources = self._sources(row)

@@ -22,7 +22,7 @@ class Transition:
     """From one state to another: when, and what is done on the way.
 
     Raises:
-        ValueError: A name is empty, or `ANY` stands where it means nothing.
+        ValueError: A name is empty or stands there twice, or `ANY` where it means nothing.
     """
 
     source: str | tuple[str, ...]
@@ -45,6 +45,8 @@ class Transition:
         for name in (*self.sources, self.target):
             if not isinstance(name, str) or not name.strip():
                 raise ValueError(f"a state is named by a text that is not empty, not {name!r}")
+        if len(set(self.sources)) < len(self.sources):
+            raise ValueError(f"the transition to {self.target!r} names a source twice")
         if self.target == ANY:
             raise ValueError("ANY cannot be the target of a transition")
         if ANY in self.sources and len(self.sources) > 1:
