@@ -10,7 +10,8 @@ import pytest
 from attrs import frozen
 
 from rosbase.backend import BackendOptions
-from rosbase.local import Bus, Link, LocalBackend
+from rosbase.local import Bus, LocalBackend
+from rosbase.local.link import Link
 from rosbase.messages import Header, Imu, Time, Vector3
 from support.waiting import wait_until
 
@@ -65,7 +66,12 @@ def test_nothing_is_sent_that_nobody_wants(sides: tuple[Side, Side]) -> None:
     here, there = sides
     sent: list[Any] = []
     send = here.link._send
-    here.link._send = lambda *values: (sent.append(values), send(*values))  # type: ignore[method-assign]
+
+    def note(*values: Any) -> None:
+        sent.append(values)
+        send(*values)
+
+    here.link._send = note  # type: ignore[method-assign]
     subscription = there.backend.create_subscription(Header, "scan", print, 1)
     wait_until(lambda: here.knows_audience("/scan"), "the audience")
     there.backend.destroy_subscription(subscription)
@@ -103,10 +109,11 @@ def test_a_slow_receiver_loses_the_oldest_and_never_blocks_the_publisher() -> No
     got: list[float] = []
     thread = threading.Thread(target=here.link.close)
     thread.start()
-    with pytest.raises(EOFError):
+    try:
         while True:
             got.append(there.recv()[2].x)
-    thread.join()
+    except EOFError:
+        thread.join()
     there.close()
     here.backend.close()
     assert got == sorted(got)

@@ -2,6 +2,5 @@
 
 from rosbase.local.backend import LocalBackend
 from rosbase.local.bus import Bus, process_bus
-from rosbase.local.link import Link
 
-__all__ = ["Bus", "Link", "LocalBackend", "process_bus"]
+__all__ = ["Bus", "LocalBackend", "process_bus"]

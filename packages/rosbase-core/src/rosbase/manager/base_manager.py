@@ -1,5 +1,6 @@
 """The manager: owns everything in one process, and ties the roles together."""
 
+import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -21,7 +22,7 @@ from rosbase.processes import (
     shutdown_multiprocess_nodes,
     shutdown_unclaimed,
 )
-from rosbase.rate import LoopStats
+from rosbase.rate import LoopStats, Rate
 from rosbase.stopping import stop_on_signals
 
 __all__ = ["BaseManager"]
@@ -39,8 +40,11 @@ class BaseManager:
     `start_main_loop_timer()` does all of it and returns when the application has ended.
     """
 
+    # Found on the class, so that a tick need not look for what is not there.
     get_state_switch: Callable[[], str | None] | None = None
+    """Define it to be asked at the start of each tick; what is not None becomes `state`."""
     state_handle: Callable[..., object] | None = None
+    """Define it to be called after that, with what `get_state_switch` gave if it takes it."""
 
     def __init__(
         self,
@@ -74,6 +78,10 @@ class BaseManager:
             handshake_timeout: Seconds after which a handshake that does not succeed is an error.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
+
+        Raises:
+            ValueError: The rate is not a positive number of hertz.
+            NotInstalledError: No backend of that name can be used.
         """
         try:
             self.backend = open_backend(backend, BackendOptions(node_name=node_name))
@@ -99,6 +107,7 @@ class BaseManager:
         handshake_timeout: float | None,
     ) -> None:
         """What components may rely on while they are built."""
+        Rate(node_freq_hz, 0)
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
@@ -112,6 +121,9 @@ class BaseManager:
         self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
         self._has_shut_down = False
+        self._hands_switch_over = self.state_handle is not None and bool(
+            inspect.signature(self.state_handle).parameters
+        )
         self.init_custom_variables()
 
     def _register(
@@ -146,7 +158,10 @@ class BaseManager:
             if switch is not None:
                 self.state = switch
         if self.state_handle is not None:
-            self.state_handle(switch)
+            if self._hands_switch_over:
+                self.state_handle(switch)
+            else:
+                self.state_handle()
         if self.handlers is not None:
             self.handlers.handle()
         self.update_timestamp()
@@ -182,7 +197,10 @@ class BaseManager:
 
         Raises:
             HandshakeTimeoutError: The rules that it names did not come true in time.
+            RuntimeError: It has run already.
         """
+        if self._has_shut_down:
+            raise RuntimeError("a manager runs once; make a new one")
         if processes:
             processes.claim(self.logger)
         with stop_on_signals(self.request_stop):

@@ -15,7 +15,8 @@ from typing import Any
 from attrs import frozen
 
 from rosbase.errors import ConfigurationError
-from rosbase.local import Link, process_bus
+from rosbase.local import process_bus
+from rosbase.local.link import Link
 
 __all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "OnRecord"]
 

@@ -11,7 +11,8 @@ from types import FrameType
 from typing import Any
 
 from rosbase.connection import name_lone_nodes
-from rosbase.local import Link, process_bus
+from rosbase.local import process_bus
+from rosbase.local.link import Link
 from rosbase.processes.registration import refuse_registration
 
 __all__ = ["main"]
