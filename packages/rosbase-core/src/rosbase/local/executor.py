@@ -103,14 +103,16 @@ class Executor:
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
         """Runs calls until the deadline; those that are ready now, even if it has passed."""
-        ready, monotonic_ns = self._ready, self._monotonic_ns
-        if self._is_alone and not (ready or self._timers):
+        ready, timers, monotonic_ns = self._ready, self._timers, self._monotonic_ns
+        if self._is_alone and not ready and (not timers or timers[0][0] >= deadline_ns):
             # The usual tick of a simple program, in as few steps as can be: after a sleep the
             # processor is cold, and every line costs a good part of a microsecond.
             left_ns = deadline_ns - monotonic_ns()
             if left_ns < _NAP_NS:
                 if left_ns > 0:
+                    self._sleeping = True
                     self._nap(left_ns / _NS_PER_S)
+                    self._sleeping = False
                 if not ready:
                     return
                 # Another thread, or a signal handler, has called.
@@ -131,7 +133,8 @@ class Executor:
         """Drops everything that waits to be run."""
         self._ready.clear()
         with self._timer_lock:
-            self._timers.clear()
+            # Not emptied: the spinning thread may be looking at it.
+            self._timers = []
 
     def _run_one(self) -> bool:
         # A timer and a call take turns, so that neither a flood of messages nor a timer that
