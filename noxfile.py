@@ -131,6 +131,7 @@ def build(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
-    """How fast it is, beside the same thing written by hand; prints a table."""
+    """How fast it is, beside the same thing written by hand; prints tables."""
     _install_wheels(session, "rosbase-core", "imu-serial")
-    session.run("python", "tests/benchmarks/reader.py", *session.posargs)
+    for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
+        session.run("python", str(benchmark), *session.posargs)

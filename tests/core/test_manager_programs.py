@@ -1,5 +1,6 @@
 """Random programs: whatever they do, the manager keeps its order."""
 
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -132,7 +133,7 @@ class Recorder:
             backend=virtual_backend(self.clock),
         )
         for index in range(len(program.rules)):
-            self.manager.add_handshake_rule(str(index), lambda i=index: self.ask(i))
+            self.manager.add_handshake_rule(str(index), partial(self.ask, index))
 
     @property
     def now(self) -> Tick:
