@@ -30,6 +30,8 @@ __all__ = ["BaseManager"]
 ComponentT = TypeVar("ComponentT")
 
 _HANDSHAKE_SLICE_NS = 100_000_000
+# Most waits are over before anybody wonders.
+_FIRST_REPORT_S = 1.0
 _PENDING_REPORT_S = 5.0
 _LOG_FREQ_NS = 1_000_000_000
 
@@ -251,7 +253,8 @@ class BaseManager:
             waited_s = (clock.monotonic_ns() - start_ns) / 1e9
             if self._handshake_timeout_s is not None and waited_s >= self._handshake_timeout_s:
                 raise HandshakeTimeoutError(f"after {waited_s:.1f} s still waiting for: {pending}")
-            self.logger.log_throttle(f"waiting for: {pending}", _PENDING_REPORT_S)
+            if waited_s >= _FIRST_REPORT_S:
+                self.logger.log_throttle(f"waiting for: {pending}", _PENDING_REPORT_S)
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
 
     def _report_frequency(self) -> None:
