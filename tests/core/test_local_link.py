@@ -177,3 +177,48 @@ def test_the_end_of_the_other_process_ends_the_audience(sides: tuple[Side, Side]
     here.link.close()
     assert not here.knows_audience("/scan")
     here.backend.create_publisher(Header, "scan", 1).publish(Header())
+
+
+def test_between_two_children_a_deeper_subscription_is_deepened_all_the_way() -> None:
+    hub = Bus()
+    links: list[Link] = []
+    sides: list[Side] = []
+    for name in ("a", "b"):
+        ends = socket.socketpair()
+        sides.append(Side(ends[0], name))
+        connection: Connection[Any, Any] = Connection(ends[1].detach())
+        links += [sides[-1].link, Link(hub, connection, name)]
+    for link in links:
+        link.start()
+    a, b = sides
+    b.backend.create_subscription(Vector3, "scan", print, 1)
+    wait_until(lambda: a.knows_audience("/scan"), "the audience")
+    b.backend.create_subscription(Vector3, "scan", print, 1000)
+    wait_until(lambda: a.bus._topics["/scan"].subscriptions[0].depth == 1000, "the depth")
+    for link in links:
+        link.close()
+    for side in sides:
+        side.backend.close()
+
+
+def test_records_are_bounded_while_the_other_side_is_slow() -> None:
+    ends = socket.socketpair()
+    here = Side(ends[0], "here")
+    here.link.start()
+    there: Connection[Any, Any] = Connection(ends[1].detach())
+    for number in range(5000):
+        here.link.send_record(20, f"{number} {'x' * 500}")
+    assert len(here.link._executor._ready) <= 1001
+    thread = threading.Thread(target=here.link.close)
+    thread.start()
+    texts: list[str] = []
+    try:
+        while True:
+            texts.append(there.recv()[2])
+    except EOFError:
+        thread.join()
+    there.close()
+    here.backend.close()
+    assert texts[0].startswith("0 x")
+    assert any("more records" in text for text in texts)
+    assert len(texts) < 5000

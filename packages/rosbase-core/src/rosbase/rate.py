@@ -27,7 +27,8 @@ class Rate:
         """
         if not 0.0 < frequency_hz < float("inf"):
             raise ValueError(f"a rate is a positive number of hertz, not {frequency_hz!r}")
-        period = _NS_PER_S / Fraction(frequency_hz)
+        # As it is written: 333.3 Hz has a short fraction, what a float makes of it a long one.
+        period = _NS_PER_S / Fraction(repr(float(frequency_hz)))
         # Whole nanoseconds, and what is left over, in parts of `_parts`.
         self._period_ns, self._rest = divmod(period.numerator, period.denominator)
         self._parts = period.denominator

@@ -191,6 +191,12 @@ class Bus:
         with self._lock:
             self._leave(publisher.topic)
 
+    def resize_subscription(self, subscription: LocalSubscription, depth: int) -> None:
+        """Has the subscription keep the last `depth` messages from now on."""
+        with self._lock:
+            subscription.resize(depth)
+            self._tell_links(subscription.topic, self._topics[subscription.topic])
+
     def remove_subscription(self, subscription: LocalSubscription) -> None:
         """Ends a subscription that `add_subscription` took."""
         subscription.close()

@@ -23,6 +23,7 @@ __all__ = ["Link"]
 _FOR_EVER_NS = 1 << 62
 _PATIENCE_S = 0.5
 _REPORT_S = 5.0
+_MANY_RECORDS = 1000
 
 
 class Link:
@@ -55,18 +56,18 @@ class Link:
         self._logger = RosbaseLogger("link")
         self._executor = Executor(SystemClock())
         self._ending = False
+        self._record_lock = threading.Lock()
+        self._records_waiting = 0
+        self._records_left_out = 0
         self._wanted_there: dict[str, LocalSubscription] = {}
         self._wanted_here: dict[str, int] = {}
         self._sender = self._thread("send", self._send_all)
         self._receiver = self._thread("receive", self._receive_all)
 
-    def send_first(self, *values: Any) -> None:
-        """Sends what the other end is to receive before it becomes a link itself."""
-        for value in values:
-            self._connection.send(value)
-
-    def start(self) -> None:
-        """Begins to share topics."""
+    def start(self, *first: Any) -> None:
+        """Begins to share topics; before that, the other end gets `first`, one by one."""
+        for value in first:
+            self._executor.call_soon(partial(self._send_bytes, pickle.dumps(value)))
         self._sender.start()
         self._receiver.start()
         self._bus.add_link(self)
@@ -78,8 +79,16 @@ class Link:
             self._send_soon("want", topic, msg_type, depth)
 
     def send_record(self, level: int, text: str) -> None:
-        """Has the other end log a text, at a level of the standard library's `logging`."""
-        self._send_soon("record", level, text)
+        """Has the other end log a text, at a level of the standard library's `logging`.
+
+        While it is slower than whoever logs, the newest records are left out, and counted.
+        """
+        with self._record_lock:
+            if self._records_waiting >= _MANY_RECORDS:
+                self._records_left_out += 1
+                return
+            self._records_waiting += 1
+        self._executor.call_soon(partial(self._send_record, level, text))
 
     def close(self) -> None:
         """Ends it: what waits to be sent or received has half a second for it. Idempotent."""
@@ -122,11 +131,20 @@ class Link:
         except Exception as error:
             self._report(f"cannot send {values[0]} {values[1]}", error)
             return
+        self._send_bytes(data)
+
+    def _send_bytes(self, data: bytes) -> None:
         try:
             self._connection.send_bytes(data)
         except OSError:
             # The other end is gone; whoever started it says so.
             self._ending = True
+
+    def _send_record(self, level: int, text: str) -> None:
+        with self._record_lock:
+            self._records_waiting -= 1
+            left_out, self._records_left_out = self._records_left_out, 0
+        self._send("record", level, f"{text} ... {left_out} more records" if left_out else text)
 
     # On the receiving thread.
 
@@ -152,7 +170,7 @@ class Link:
     def _take_want(self, topic: str, msg_type: type, depth: int) -> None:
         known = self._wanted_there.get(topic)
         if known is not None and depth:
-            known.resize(depth)
+            self._bus.resize_subscription(known, depth)
         elif known is not None:
             self._bus.remove_subscription(self._wanted_there.pop(topic))
         elif depth:

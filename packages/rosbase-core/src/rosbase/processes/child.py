@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 
+from rosbase.processes.guardian import members_of_session
 from rosbase.processes.launch import Launch, Launched
 from rosbase.processes.output import OutputLines
 from rosbase.processes.restart import RestartPolicy, Restarts
@@ -44,6 +45,8 @@ class Life:
         self.started_ns = now_ns
         self.control = launched.control
         self.output = launched.output
+        self.ended_fd = _watch(launched.guardian.pid)
+        """Readable once the guardian has ended; -1 where the system has no such thing."""
         self.lines = OutputLines()
         self.was_killed = False
         """Whether it did not end before SIGKILL."""
@@ -82,25 +85,29 @@ class Life:
     def finish(self) -> None:
         """Sees the guardian off, and gives everything back."""
         self.control.close()
-        os.close(self.output)
+        for fd in (self.output, self.ended_fd):
+            if fd >= 0:
+                os.close(fd)
         try:
-            self._guardian.wait(_GUARDIAN_PATIENCE_S)
+            has_failed = self._guardian.wait(_GUARDIAN_PATIENCE_S) != 0
         except subprocess.TimeoutExpired:
+            has_failed = True
+        if has_failed:
             self.kill()
         if self._link is not None:
             self._link.close()
-        self.child.exit_code = self._code()
+        self.child.exit_code = self._code() or (-signal.SIGKILL if has_failed else 0)
         self.child.is_alive = False
 
     def kill(self) -> None:
-        """Ends the guardian and the group of the command by force."""
+        """Ends the guardian and the session of the command by force."""
         self._guardian.kill()
         self._guardian.wait()
-        if self.child.pid is not None and self.child.pid not in self._codes:
+        for pid in members_of_session(self.child.pid) if self.child.pid else ():
             try:
-                os.killpg(self.child.pid, signal.SIGKILL)
+                os.kill(pid, signal.SIGKILL)
             except OSError:
-                # They went with their guardian.
+                # It has ended meanwhile.
                 pass
 
     def _take(self, what: str, values: list[str]) -> None:
@@ -123,6 +130,14 @@ class Life:
         # Who writes into a pipe that nobody reads any more has done its work.
         others = [c for c in self._codes.values() if c not in (0, -signal.SIGPIPE)]
         return code or next(iter(others), 0)
+
+
+def _watch(pid: int) -> int:
+    try:
+        return os.pidfd_open(pid)
+    except (AttributeError, OSError):
+        # Its end of the control socket tells, unless somebody whom we forked holds on to it.
+        return -1
 
 
 def describe_end(code: int) -> str:

@@ -49,6 +49,8 @@ class Guardian:
         signal.set_wakeup_fd(write_end)
         for number in (signal.SIGCHLD, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: None)
+        # Whatever the manager blocks, this process and its command do not.
+        signal.pthread_sigmask(signal.SIG_SETMASK, ())
         self._poll = select.poll()
         for fd in (control, self._signals, *_watch(manager_pid)):
             self._poll.register(fd, select.POLLIN)
@@ -164,14 +166,18 @@ def _prctl(option: int, value: int) -> None:
 
 
 def _watch(pid: int) -> list[int]:
-    """A descriptor that becomes readable when that process is gone, where there is such a thing."""
-    if os.getppid() != pid:
-        # It is gone already; closed descriptors say so too.
-        return []
+    """A descriptor that becomes readable when that process is gone, where there is such a thing.
+
+    A closed socket says so too, unless somebody whom the manager forked holds on to it.
+    """
     try:
-        return [os.pidfd_open(pid)]
+        watched = [os.pidfd_open(pid)]
     except (AttributeError, OSError):
-        return []
+        watched = []
+    if os.getppid() != pid:
+        # It is gone already, so nothing is to be started.
+        sys.exit(0)
+    return watched
 
 
 def _read(fd: int) -> bytes:
@@ -183,19 +189,29 @@ def _read(fd: int) -> bytes:
 
 def _descendants() -> list[int]:
     """Everybody who descends from this process and has not ended; none but on Linux."""
-    parents: dict[int, int] = {}
-    for name in os.listdir("/proc") if _IS_LINUX else ():
-        fields = _stat(name) if name.isdigit() else None
-        if fields is not None and fields[0] not in (b"Z", b"X"):
-            parents[int(name)] = int(fields[1])
+    parents = {pid: int(fields[1]) for pid, fields in _all_processes().items()}
     family = {os.getpid()}
     while grown := {pid for pid, parent in parents.items() if parent in family} - family:
         family |= grown
     return sorted(family - {os.getpid()})
 
 
+def members_of_session(leader: int) -> list[int]:
+    """Everybody in the session of that process who has not ended; none but on Linux."""
+    return [pid for pid, fields in _all_processes().items() if int(fields[3]) == leader]
+
+
+def _all_processes() -> dict[int, list[bytes]]:
+    found = {}
+    for name in os.listdir("/proc") if _IS_LINUX else ():
+        fields = _stat(name) if name.isdigit() else None
+        if fields is not None and fields[0] not in (b"Z", b"X"):
+            found[int(name)] = fields
+    return found
+
+
 def _stat(pid: str | int) -> list[bytes] | None:
-    """State, parent, group, ... of a process, from proc(5)."""
+    """State, parent, group, session, ... of a process, from proc(5)."""
     try:
         with open(f"/proc/{pid}/stat", "rb") as file:
             # The second field is the name, in brackets, and may hold anything.

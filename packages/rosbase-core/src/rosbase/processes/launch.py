@@ -1,5 +1,6 @@
 """Starts a child under its guardian: a shell command, or a node in a Python of its own."""
 
+import multiprocessing
 import os
 import pickle
 import socket
@@ -69,28 +70,31 @@ class CommandLaunch(Launch):
 
 @frozen
 class NodeLaunch(Launch):
-    """Starts a Python that makes a node of that class and spins it."""
+    """Starts a Python that makes a node of a class and spins it."""
 
     name: str
-    node_class: Any
+    pickled_class: bytes
     log_level: int
 
-    def __attrs_post_init__(self) -> None:
+    @classmethod
+    def of(cls, name: str, node_class: Any, log_level: int) -> "NodeLaunch":
         """Finds out now what the child would otherwise find out.
 
         Raises:
             ConfigurationError: Another process cannot find the class.
         """
         try:
-            found = pickle.loads(pickle.dumps(self.node_class))
+            pickled = pickle.dumps(node_class)
+            can_be_found = pickle.loads(pickled) is node_class
         except Exception:
-            found = None
-        home = sys.modules.get(self.node_class.__module__)
-        if found is not self.node_class or not hasattr(home, "__file__"):
+            can_be_found = False
+        home = sys.modules.get(getattr(node_class, "__module__", ""))
+        if not can_be_found or not hasattr(home, "__file__"):
             raise ConfigurationError(
-                f"node '{self.name}': another process cannot find {self.node_class!r}; "
+                f"node '{name}': another process cannot find {node_class!r}; "
                 "define it at the top level of a module"
             )
+        return cls(name, pickled, log_level)
 
     def start(self, on_record: OnRecord) -> Launched:
         """Starts it."""
@@ -98,19 +102,25 @@ class NodeLaunch(Launch):
         with theirs:
             link = Link(process_bus(), Connection(ours.detach()), self.name, on_record)
             try:
-                # The main module is imported there as multiprocessing does it.
-                surroundings = spawn.get_preparation_data(self.name)
-                # For connections over a network; it refuses to be pickled.
-                surroundings.pop("authkey", None)
-                node = pickle.dumps(self.node_class)
-                link.send_first(sys.path, surroundings, (node, self.name, self.log_level))
                 argv = [sys.executable, "-c", _NODE, str(theirs.fileno())]
                 launched = _start_guarded(argv, link, theirs.fileno())
             except BaseException:
                 link.close()
                 raise
-        link.start()
+        node = (self.pickled_class, self.name, self.log_level)
+        link.start(sys.path[:], _surroundings(self.name), node)
         return launched
+
+
+def _surroundings(name: str) -> dict[str, Any]:
+    """What multiprocessing tells a child, so that it finds and imports the main module."""
+    chosen = multiprocessing.get_start_method(allow_none=True)
+    surroundings = spawn.get_preparation_data(name)
+    if chosen is None:
+        # Asking has chosen one, and that is for the program to do.
+        multiprocessing.set_start_method(None, force=True)
+    # The key is for connections over a network, and refuses to be pickled.
+    return {k: v for k, v in surroundings.items() if k not in ("authkey", "start_method")}
 
 
 def _start_guarded(argv: list[str], link: Link | None, link_fd: int) -> Launched:

@@ -156,7 +156,7 @@ def _launches(
         if not isinstance(command, str):
             raise ConfigurationError(f"command '{name}' is a text for the shell, not {command!r}")
     launches: dict[str, Launch] = {
-        name: NodeLaunch(name, node_class, logger.level) for name, node_class in nodes.items()
+        name: NodeLaunch.of(name, node_class, logger.level) for name, node_class in nodes.items()
     }
     return launches | {name: CommandLaunch(command) for name, command in commands.items()}
 

@@ -3,8 +3,9 @@
 import logging
 import os
 import selectors
+import socket
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger import RosbaseLogger
@@ -35,7 +36,8 @@ class Supervisor:
         self._stopping = False
         self._buffer = memoryview(bytearray(65_536))
         self._wake_r, self._wake_w = os.pipe()
-        self._selector.register(self._wake_r, selectors.EVENT_READ, self._woken)
+        self._selector.register(self._wake_r, selectors.EVENT_READ, (None, self._woken))
+        self._stop_lock = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="children", daemon=True)
 
     def start(self) -> None:
@@ -55,13 +57,16 @@ class Supervisor:
 
     def stop(self) -> None:
         """Stops every child and returns when none is left, in bounded time. Idempotent."""
-        if self._wake_w < 0:
-            return
-        self._stopping = True
-        os.write(self._wake_w, b"s")
-        self._thread.join()
-        os.close(self._wake_w)
-        self._wake_w = -1
+        with self._stop_lock:
+            if self._wake_w < 0:
+                return
+            self._stopping = True
+            os.write(self._wake_w, b"s")
+            self._thread.join()
+            self._selector.close()
+            os.close(self._wake_w)
+            os.close(self._wake_r)
+            self._wake_w = -1
 
     # On the supervisor's thread.
 
@@ -73,20 +78,29 @@ class Supervisor:
         for life in self._lives:
             life.ask_to_stop()
         ends_ns = self._clock.monotonic_ns() + _STOP_NS
-        while self._lives:
-            left_s = (ends_ns - self._clock.monotonic_ns()) / _NS_PER_S
-            if left_s <= 0:
-                for life in self._lives:
-                    life.kill()
-            self._handle(max(0.1, left_s))
-        self._selector.close()
-        os.close(self._wake_r)
+        while self._lives and (left_ns := ends_ns - self._clock.monotonic_ns()) > 0:
+            self._handle(left_ns / _NS_PER_S)
+        for life in list(self._lives):
+            life.kill()
+            self._end(life)
 
     def _handle(self, timeout_s: float | None) -> None:
         for key, _ in self._selector.select(timeout_s):
-            # One that stood behind it in the list may be gone by now.
-            if key.fd in self._selector.get_map():
-                key.data()
+            life, handle = key.data
+            if life is None:
+                handle()
+                continue
+            # It may have ended with an event that stood before this one in the list.
+            if life not in self._lives:
+                continue
+            try:
+                handle()
+            except Exception as error:
+                # One child that cannot be dealt with must not take the others along.
+                self.logger.error(f"{life.child.name}: {error!r}", exc_info=error)
+                life.kill()
+                if life in self._lives:
+                    self._end(life)
 
     def _woken(self) -> None:
         os.read(self._wake_r, 64)
@@ -102,7 +116,7 @@ class Supervisor:
             del self._due_ns[child]
             try:
                 self._start(child)
-            except OSError as error:
+            except Exception as error:
                 self.logger.error(f"{child.name}: cannot be started: {error}")
                 self._plan_restart(child, failed=True, ran_s=0.0)
 
@@ -110,9 +124,17 @@ class Supervisor:
         launched = child.launch.start(lambda level, text: self._record(child, level, text))
         life = Life(child, launched, self._clock.monotonic_ns())
         self._lives.append(life)
-        read, hear = selectors.EVENT_READ, lambda: self._hear(life)
-        self._selector.register(life.control, read, hear)
-        self._selector.register(life.output, read, lambda: self._read(life))
+        self._watch(life, life.control, lambda: self._hear(life))
+        self._watch(life, life.output, lambda: self._read(life))
+        if life.ended_fd >= 0:
+            self._watch(life, life.ended_fd, lambda: self._end(life))
+
+    def _watch(self, life: Life, source: socket.socket | int, handle: Callable[[], object]) -> None:
+        self._selector.register(source, selectors.EVENT_READ, (life, handle))
+
+    def _ignore(self, source: socket.socket | int) -> None:
+        if source in self._selector.get_map():
+            self._selector.unregister(source)
 
     def _read(self, life: Life) -> bool:
         """Logs what there is to read; false if there is nothing now."""
@@ -124,7 +146,7 @@ class Supervisor:
             now_ns = self._clock.monotonic_ns()
             self._write(life, life.lines.feed(bytes(self._buffer[:number]), now_ns))
             return True
-        self._selector.unregister(life.output)
+        self._ignore(life.output)
         return False
 
     def _hear(self, life: Life) -> None:
@@ -135,15 +157,15 @@ class Supervisor:
             self._end(life)
 
     def _end(self, life: Life) -> None:
-        self._selector.unregister(life.control)
+        """Takes in its last words, and gives back what belonged to it."""
+        self._lives.remove(life)
+        for source in (life.control, life.output, life.ended_fd):
+            self._ignore(source)
+        life.hear()
         while self._read(life):
             pass
         self._write(life, life.lines.finish())
-        if life.output in self._selector.get_map():
-            # Somebody who is not one of its own holds on to it.
-            self._selector.unregister(life.output)
         life.finish()
-        self._lives.remove(life)
         self._report(life)
         ran_s = (self._clock.monotonic_ns() - life.started_ns) / _NS_PER_S
         if not self._stopping:
