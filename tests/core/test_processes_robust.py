@@ -11,7 +11,6 @@ import pytest
 
 from rosbase import RestartPolicy, register_multiprocess_nodes, shutdown_multiprocess_nodes
 from rosbase.logger import RosbaseLogger
-from rosbase.processes import launch
 from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, Launched
 from rosbase.processes.supervisor import Supervisor
@@ -86,7 +85,7 @@ def test_the_end_is_noticed_though_somebody_holds_on_to_the_connections(
         held.append(os.dup(ends[1].fileno()))
         return ends
 
-    monkeypatch.setattr(launch.socket, "socketpair", pair_that_is_held)
+    monkeypatch.setattr(socket, "socketpair", pair_that_is_held)
     processes = register_multiprocess_nodes({}, {"x": "true", "y": "sleep 1000"})
     wait_until(lambda: not processes["x"].is_alive, "the end of x")
     start = time.monotonic()
