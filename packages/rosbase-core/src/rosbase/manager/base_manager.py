@@ -19,13 +19,15 @@ from rosbase.manager.shutdown import run_steps
 from rosbase.node import BaseNode
 from rosbase.processes import (
     ChildProcesses,
+    register_multiprocess_nodes,
     shutdown_multiprocess_nodes,
     shutdown_unclaimed,
 )
 from rosbase.rate import LoopStats, Rate
 from rosbase.stopping import stop_on_signals
 
-__all__ = ["BaseManager"]
+# Programs written for ros_base import the two functions from here.
+__all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_nodes"]
 
 ComponentT = TypeVar("ComponentT")
 
