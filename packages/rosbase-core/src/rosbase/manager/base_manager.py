@@ -125,9 +125,8 @@ class BaseManager:
         self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
         self._has_shut_down = False
-        self._hands_switch_over = self.state_handle is not None and bool(
-            inspect.signature(self.state_handle).parameters
-        )
+        # Whether `state_handle` takes what the switch gave; looked up when it is first called.
+        self._hands_switch_over: bool | None = None
         self.init_custom_variables()
 
     def _register(
@@ -162,6 +161,8 @@ class BaseManager:
             if switch is not None:
                 self.state = switch
         if self.state_handle is not None:
+            if self._hands_switch_over is None:
+                self._hands_switch_over = bool(inspect.signature(self.state_handle).parameters)
             if self._hands_switch_over:
                 self.state_handle(switch)
             else:

@@ -1,0 +1,276 @@
+"""The handshake and the ticks, as programs see them."""
+
+from collections.abc import Callable
+from itertools import groupby
+from typing import Any
+
+import pytest
+
+from rosbase import BaseAgent, BaseHandlers, BaseManager, BaseNode
+from rosbase.testing import ManualClock, virtual_backend
+from support.roles import StopAfter
+
+
+def run(manager_class: type[BaseManager] = BaseManager, **kwargs: Any) -> BaseManager:
+    """Runs it in virtual time, to its end."""
+    kwargs.setdefault("backend", virtual_backend())
+    manager = manager_class(**{"handlers_class": StopAfter, **kwargs})
+    manager.start_main_loop_timer()
+    return manager
+
+
+def test_a_manager_with_nothing_in_it_ticks() -> None:
+    class App(BaseManager):
+        def update_timestamp(self) -> None:
+            super().update_timestamp()
+            if self.timestamp == 3:
+                self.request_stop()
+
+    assert run(App, handlers_class=None).timestamp == 3
+
+
+def test_a_state_handle_without_an_argument_is_called_every_tick() -> None:
+    called: list[int] = []
+
+    class App(BaseManager):
+        def state_handle(self) -> None:
+            called.append(self.timestamp)
+
+    run(App)
+    assert called == [0, 1, 2, 3, 4]
+
+
+def test_a_state_handle_with_an_argument_is_given_what_the_switch_gave_none_too() -> None:
+    given: list[Any] = []
+
+    class App(BaseManager):
+        def get_state_switch(self) -> str | None:
+            return {1: "RUN", 3: "REST"}.get(self.timestamp)
+
+        def state_handle(self, switch: str | None) -> None:
+            given.append((switch, self.state))
+
+    run(App, start_state="PREPARE")
+    assert given == [
+        (None, "PREPARE"),
+        ("RUN", "RUN"),
+        (None, "RUN"),
+        ("REST", "REST"),
+        (None, "REST"),
+    ]
+
+
+def test_a_state_handle_alone_is_given_none() -> None:
+    given: list[Any] = []
+
+    class App(BaseManager):
+        def state_handle(self, switch: str | None) -> None:
+            given.append(switch)
+
+    run(App)
+    assert given == [None] * 5
+
+
+def test_a_subclass_may_set_its_state_functions_after_the_base_is_built() -> None:
+    given: list[Any] = []
+
+    class App(BaseManager):
+        def __init__(self, **kwargs: Any) -> None:
+            super().__init__(**kwargs)
+            self.get_state_switch = lambda: "RUN"
+            self.state_handle = given.append
+
+    assert run(App).state == "RUN"
+    assert given == ["RUN"] * 5
+
+
+def test_the_handlers_may_set_the_timestamp_and_restart_the_count() -> None:
+    seen: list[int] = []
+
+    class Handlers(BaseHandlers):
+        def handle(self) -> None:
+            seen.append(self.timestamp)
+            if len(seen) == 3:
+                self.timestamp = 0
+            if len(seen) == 6:
+                self.manager.request_stop()
+
+    assert run(handlers_class=Handlers).timestamp == 4
+    assert seen == [0, 1, 2, 1, 2, 3]
+
+
+def test_a_subclass_may_set_the_timestamp() -> None:
+    class App(BaseManager):
+        def state_handle(self) -> None:
+            if self.timestamp == 2:
+                self.timestamp = 100
+
+    class Handlers(BaseHandlers):
+        def handle(self) -> None:
+            if self.timestamp == 101:
+                self.manager.request_stop()
+
+    assert run(App, handlers_class=Handlers).timestamp == 102
+
+
+def test_agents_and_nodes_see_the_timestamp_of_the_tick_and_may_decimate() -> None:
+    class Slow(BaseAgent):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.ran_at: list[tuple[int, str | None, float]] = []
+
+        def reset(self) -> None: ...
+
+        def compute(self) -> None:
+            if self.timestamp % 4 == 0:
+                self.ran_at.append((self.timestamp, self.state, self.node_freq_hz))
+
+    class Handlers(StopAfter):
+        ticks = 10
+
+        def handle(self) -> None:
+            self.agents["slow"].compute()
+            assert self.nodes["n"].timestamp == self.timestamp
+            super().handle()
+
+    manager = run(
+        nodes_dict={"n": BaseNode},
+        agents_dict={"slow": Slow},
+        handlers_class=Handlers,
+        start_state="go",
+        node_freq_hz=20,
+    )
+    assert manager.agents["slow"].ran_at == [(0, "go", 20), (4, "go", 20), (8, "go", 20)]
+
+
+def test_an_overriding_main_loop_counts_with_update_timestamp() -> None:
+    class App(BaseManager):
+        def main_loop(self) -> None:
+            self.update_timestamp()
+            if self.timestamp == 3:
+                self.request_stop()
+
+    class Never(BaseHandlers):
+        def handle(self) -> None:
+            raise AssertionError("the override decides what a tick does")
+
+    assert run(App, handlers_class=Never).timestamp == 3
+
+
+def test_start_main_loop_is_an_older_name_of_start_main_loop_timer() -> None:
+    manager = BaseManager(handlers_class=StopAfter, backend=virtual_backend())
+    manager.start_main_loop()
+    assert manager.timestamp == 5
+
+
+def busy_ticks(works_s: Callable[[int], float], ticks: int) -> list[tuple[str, float]]:
+    """When ticks and the calls of a node's timer began, both due ten times a second."""
+    clock = ManualClock()
+    events: list[tuple[str, float]] = []
+
+    class Busy(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.create_timer(0.1, self.work)
+
+        def work(self) -> None:
+            events.append(("timer", clock.elapsed_ns / 1e9))
+            clock.advance(works_s(len(events)))
+
+    class Handlers(StopAfter):
+        def handle(self) -> None:
+            events.append(("tick", clock.elapsed_ns / 1e9))
+            super().handle()
+
+    Handlers.ticks = ticks
+    run(
+        nodes_dict={"busy": Busy},
+        handlers_class=Handlers,
+        node_freq_hz=10,
+        backend=virtual_backend(clock),
+    )
+    return events
+
+
+def test_a_timer_of_a_node_that_is_always_late_takes_turns_with_the_ticks() -> None:
+    events = busy_ticks(lambda number: 0.15, ticks=20)
+    turns = [len(list(calls)) for _, calls in groupby(kind for kind, _ in events[1:])]
+    assert max(turns) <= 2, "neither waits for long"
+    assert len(turns) > 25
+
+
+def test_ticks_that_a_timer_of_a_node_held_up_are_never_caught_up_in_a_burst() -> None:
+    events = busy_ticks(lambda number: 0.35 if number % 10 == 0 else 0.01, ticks=40)
+    ticks = [at for kind, at in events if kind == "tick"]
+    # A late tick keeps the phase, so the one after it comes sooner; but never two of them.
+    for first, third in zip(ticks, ticks[2:], strict=False):
+        assert third - first >= 0.14
+
+
+def test_without_rules_the_handshake_passes_at_once() -> None:
+    clock = ManualClock()
+    first: list[int] = []
+
+    class Handlers(StopAfter):
+        ticks = 1
+
+        def handle(self) -> None:
+            first.append(clock.elapsed_ns)
+            super().handle()
+
+    run(handlers_class=Handlers, backend=virtual_backend(clock))
+    assert first == [0]
+
+
+def test_all_rules_must_hold_before_the_first_tick_and_are_asked_every_tenth_of_a_second() -> None:
+    clock = ManualClock()
+    asked: list[float] = []
+
+    class App(BaseManager):
+        def __init__(self, **kwargs: Any) -> None:
+            super().__init__(**kwargs)
+            self.add_handshake_rule("at once", lambda: True)
+            self.add_handshake_rule("half a second", self.after_half_a_second)
+
+        def after_half_a_second(self) -> bool:
+            asked.append(clock.elapsed_ns / 1e9)
+            return asked[-1] >= 0.45
+
+        def main_loop(self) -> None:
+            assert asked[-1] >= 0.45
+            self.request_stop()
+
+    run(App, backend=virtual_backend(clock))
+    assert sorted(set(asked)) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5])
+
+
+@pytest.mark.parametrize("answer", [True, None])
+def test_an_overridden_handshake_waits_on_false_only(answer: bool | None) -> None:
+    answers: list[bool | None] = [False, False, answer]
+
+    class App(BaseManager):
+        def handshake(self) -> bool | None:
+            return answers.pop(0)
+
+    assert run(App).timestamp == 5
+    assert answers == []
+
+
+def test_a_stop_while_the_handshake_waits_ends_without_a_tick() -> None:
+    class Impatient(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.create_timer(1.0, manager.request_stop)
+
+    class App(BaseManager):
+        def __init__(self, **kwargs: Any) -> None:
+            super().__init__(**kwargs)
+            self.add_handshake_rule("never", lambda: False)
+
+    assert run(App, nodes_dict={"n": Impatient}).timestamp == 0
+
+
+def test_the_frequency_is_logged_only_if_asked_for(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", logger="rosbase")
+    run(node_freq_hz=1)
+    assert caplog.messages == []
