@@ -1,9 +1,14 @@
 import logging
+import subprocess
+import sys
+from typing import Any
 
 import pytest
 
+from rosbase import BaseHandlers, BaseManager
 from rosbase.logger import RosbaseLogger
-from rosbase.testing import ManualClock
+from rosbase.testing import ManualClock, virtual_backend
+from support.roles import Brain, Camera
 
 
 @pytest.fixture
@@ -42,3 +47,143 @@ def test_messages_keep_their_percent_signs(records: pytest.LogCaptureFixture) ->
 def test_an_unknown_level_is_refused() -> None:
     with pytest.raises(ValueError, match="loud"):
         RosbaseLogger("node").important("x", "loud")
+
+
+LEVELS = ["debug", "info", "warning", "error", "critical"]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_each_level_has_a_method_that_can_say_it_once(
+    records: pytest.LogCaptureFixture, level: str
+) -> None:
+    logger = RosbaseLogger("node")
+    for _ in range(2):
+        getattr(logger, level)("each time")
+        getattr(logger, level)("one time", once=True)
+    assert records.messages == ["each time", "one time", "each time"]
+    assert {(r.levelname, r.name) for r in records.records} == {(level.upper(), "rosbase.node")}
+
+
+def test_what_is_said_once_or_is_important_is_info_unless_a_level_is_named(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    logger = RosbaseLogger("node")
+    for say in (
+        logger.log_once,
+        logger.important,
+        lambda *a: logger.log_throttle(a[0], 1.0, *a[1:]),
+    ):
+        say("a")
+        say("b", "ERROR")
+    assert [r.levelname for r in records.records] == ["INFO", "ERROR"] * 3
+
+
+def test_each_message_is_throttled_on_its_own_and_reset_forgets_the_throttle(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    logger = RosbaseLogger("node", ManualClock())
+    for message in ("a", "b", "a"):
+        logger.log_throttle(message, 5.0)
+    logger.reset()
+    logger.log_throttle("a", 5.0)
+    assert records.messages == ["a", "b", "a"]
+
+
+class OwnLogger:
+    """A program's own: what it is made with, what it writes, and what only it can do."""
+
+    def __init__(self, name: str, *others: Any) -> None:
+        self.made_with = (name, *others)
+        self.lines: list[str] = []
+
+    def info(self, message: str, color: str = "") -> None:
+        self.lines.append(f"info {message}{color}")
+
+    def error(self, message: str) -> None:
+        self.lines.append(f"error {message}")
+
+    def important(self, message: str) -> None:
+        self.lines.append(f"!!! {message}")
+
+    def celebrate(self) -> str:
+        return "hurrah"
+
+
+def own_manager() -> BaseManager:
+    return BaseManager(
+        "boss",
+        {"camera": Camera},
+        {"brain": Brain},
+        BaseHandlers,
+        custom_logger=OwnLogger,
+        backend=virtual_backend(),
+    )
+
+
+def test_a_custom_logger_is_made_with_the_name_and_serves_everything_attached() -> None:
+    manager = own_manager()
+    assert manager.handlers is not None
+    logger: Any = manager.logger
+    for component in (manager.nodes["camera"], manager.agents["brain"], manager.handlers):
+        assert component.logger is logger
+        component.logger.info("here")
+    assert logger.made_with == ("boss",)
+    assert logger.lines == ["info here"] * 3
+    manager.destroy_node()
+
+
+def test_a_custom_logger_keeps_what_it_can_do_and_is_given_what_it_cannot() -> None:
+    manager = own_manager()
+    logger: Any = manager.logger
+    assert logger.celebrate() == "hurrah"
+    logger.info("ready", color=" in green")
+    logger.important("goal")
+    for _ in range(2):
+        logger.info("once", once=True)
+        logger.log_once("once", "ERROR")
+        logger.log_throttle("often", 1.0)
+    assert logger.lines == [
+        "info ready in green",
+        "!!! goal",
+        "info once",
+        "error once",
+        "info often",
+    ]
+    manager.destroy_node()
+
+
+PROGRAM = """
+from rosbase import BaseManager, BaseNode
+manager = BaseManager("boss", {"camera": BaseNode})
+for level in ("debug", "info", "warning", "error", "critical"):
+    getattr(manager.nodes["camera"].logger, level)(f"said as {level}")
+manager.destroy_node()
+"""
+
+
+@pytest.mark.parametrize(
+    ("setup", "expected"),
+    [
+        (
+            "",
+            "[INFO] [boss]: said as info\n[WARNING] [boss]: said as warning\n"
+            "[ERROR] [boss]: said as error\n[CRITICAL] [boss]: said as critical\n",
+        ),
+        (
+            "import logging; logging.basicConfig(format='%(name)s %(message)s', level='ERROR')",
+            "rosbase.boss said as error\nrosbase.boss said as critical\n",
+        ),
+    ],
+    ids=["nothing is configured", "logging is configured"],
+)
+def test_info_and_worse_goes_to_stderr_unless_the_program_has_set_up_logging(
+    setup: str, expected: str
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", setup + PROGRAM],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", expected)

@@ -5,6 +5,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rosbase.clock import Clock, SystemClock
@@ -117,17 +118,41 @@ class _CustomLogger(RosbaseLogger):
     def __init__(self, name: str, custom: Any, clock: Clock | None) -> None:
         super().__init__(name, clock)
         self._custom = custom
+        for level in (
+            logging.DEBUG,
+            logging.INFO,
+            logging.WARNING,
+            logging.ERROR,
+            logging.CRITICAL,
+        ):
+            setattr(self, logging.getLevelName(level).lower(), partial(self._say, level))
+        for method in ("important", "log_once"):
+            if hasattr(custom, method):
+                setattr(self, method, getattr(custom, method))
 
     def __getattr__(self, attribute: str) -> Any:
         return getattr(self._custom, attribute)
 
+    def reset(self) -> None:
+        """Forgets what has been written once, here and there."""
+        super().reset()
+        if hasattr(self._custom, "reset"):
+            self._custom.reset()
+
+    def _say(
+        self, level: int, message: str, *more: Any, once: bool = False, **options: Any
+    ) -> None:
+        """Writes a message, with whatever else the application's own logger takes."""
+        if not once or self._first_time(level, message):
+            self._emit(level, message, options.pop("exc_info", None), *more, **options)
+
     def _is_enabled(self, level: int) -> bool:
         return True
 
-    def _emit(self, level: int, message: str, exc_info: Any) -> None:
+    def _emit(self, level: int, message: str, exc_info: Any, *more: Any, **options: Any) -> None:
         try:
             write = getattr(self._custom, logging.getLevelName(level).lower())
-            write(_with_traceback(message, exc_info))
+            write(_with_traceback(message, exc_info), *more, **options)
         except Exception:
             # Whatever is being reported matters more than how.
             super()._emit(level, message, None)
