@@ -256,6 +256,19 @@ def test_an_overridden_handshake_waits_on_false_only(answer: bool | None) -> Non
     assert answers == []
 
 
+@pytest.mark.parametrize(("waits_s", "lines"), [(0.5, 0), (3.0, 1), (7.0, 2)])
+def test_a_handshake_that_takes_long_says_now_and_then_what_it_waits_for(
+    caplog: pytest.LogCaptureFixture, waits_s: float, lines: int
+) -> None:
+    caplog.set_level("INFO", logger="rosbase")
+    clock = ManualClock()
+    manager = BaseManager(handlers_class=StopAfter, backend=virtual_backend(clock))
+    manager.add_handshake_rule("Robot", lambda: clock.elapsed_ns >= waits_s * 1e9)
+    manager.add_handshake_rule("Battery", lambda: True)
+    manager.start_main_loop_timer()
+    assert caplog.messages == ["waiting for: Robot"] * lines
+
+
 def test_a_stop_while_the_handshake_waits_ends_without_a_tick() -> None:
     class Impatient(BaseNode):
         def __init__(self, manager: Any = None, **kwargs: Any) -> None:
