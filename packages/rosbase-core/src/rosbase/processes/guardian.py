@@ -142,12 +142,16 @@ class Guardian:
 
 
 def _start(argv: list[str], *, holds_signals: bool) -> int:
+    guardian = os.getpid()
     pid = os.fork()
     if pid:
         return pid
     try:
         os.setsid()
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != guardian:
+            # Killed before it could be said that this one dies with it.
+            os._exit(128 + signal.SIGKILL)
         for number in (signal.SIGPIPE, signal.SIGXFSZ):
             # Python ignores these two, and that would be inherited.
             signal.signal(number, signal.SIG_DFL)
