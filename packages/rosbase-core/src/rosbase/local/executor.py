@@ -92,12 +92,12 @@ class Executor:
 
     def spin_once(self, timeout_s: float) -> bool:
         """Runs one call, waiting for it as long as `timeout_s`; tells whether there was one."""
-        if self._run_one():
+        if self._run_one(self._monotonic_ns()):
             return True
         deadline_ns = self._monotonic_ns() + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
         while (left_ns := deadline_ns - self._monotonic_ns()) > 0:
             self._sleep(left_ns)
-            if self._run_one():
+            if self._run_one(self._monotonic_ns()):
                 return True
         return False
 
@@ -117,13 +117,16 @@ class Executor:
                     return
                 # Another thread, or a signal handler, has called.
                 self._is_alone = False
-        for _ in range(len(ready) + len(self._timers)):
+        # What is due now has its turn, also in a loop that is always late; what becomes due
+        # meanwhile waits until after the next tick.
+        now_ns = monotonic_ns()
+        for _ in range(len(ready) + sum(entry[0] <= now_ns for entry in self._timers)):
             if stopping():
                 return
-            if not self._run_one():
+            if not self._run_one(now_ns):
                 break
         while (left_ns := deadline_ns - monotonic_ns()) > 0:
-            if (ready or self._timers) and self._run_one():
+            if (ready or self._timers) and self._run_one(monotonic_ns()):
                 if stopping():
                     return
             else:
@@ -136,14 +139,15 @@ class Executor:
             # Not emptied: the spinning thread may be looking at it.
             self._timers = []
 
-    def _run_one(self) -> bool:
+    def _run_one(self, due_ns: int) -> bool:
+        """Runs a call, or a timer that was due by then; tells whether there was one."""
         # A timer and a call take turns, so that neither a flood of messages nor a timer that
         # is always late starves the other.
         if self._ready and self._owes_a_call:
             self._owes_a_call = False
             self._ready.popleft()()
             return True
-        timer = self._take_due_timer() if self._timers else None
+        timer = self._take_due_timer(due_ns) if self._timers else None
         if timer is not None:
             self._owes_a_call = True
             timer.callback()
@@ -153,11 +157,11 @@ class Executor:
             return True
         return False
 
-    def _take_due_timer(self) -> LocalTimer | None:
-        """The timer whose time has come, set to its next deadline."""
+    def _take_due_timer(self, due_ns: int) -> LocalTimer | None:
+        """The first timer that was due by then, set to its next deadline from now."""
         now_ns = self._monotonic_ns()
         with self._timer_lock:
-            while self._timers and self._timers[0][0] <= now_ns:
+            while self._timers and self._timers[0][0] <= due_ns:
                 deadline_ns, serial, timer = heapq.heappop(self._timers)
                 if serial == timer.serial:
                     periods = 1 + (now_ns - deadline_ns) // timer.period_ns
