@@ -17,7 +17,15 @@ class Rate:
     passed are skipped: there is never a burst.
     """
 
-    __slots__ = ("_left_over", "_parts", "_period_ns", "_rest", "deadline_ns", "skipped")
+    __slots__ = (
+        "_left_over",
+        "_parts",
+        "_period_ns",
+        "_rest",
+        "deadline_ns",
+        "skipped",
+        "whole_period_ns",
+    )
 
     def __init__(self, frequency_hz: float, start_ns: int) -> None:
         """Starts at `start_ns` (monotonic); the first deadline is that instant.
@@ -32,6 +40,8 @@ class Rate:
         # Whole nanoseconds, and what is left over, in parts of `_parts`.
         self._period_ns, self._rest = divmod(period.numerator, period.denominator)
         self._parts = period.denominator
+        self.whole_period_ns = 0 if self._rest else self._period_ns
+        """The period, if it is a whole number of nanoseconds; else 0."""
         self._left_over = 0
         self.deadline_ns = start_ns
         """When the next tick is due, on the monotonic clock."""

@@ -44,7 +44,6 @@ class BaseManager:
     `start_main_loop_timer()` does all of it and returns when the application has ended.
     """
 
-    # Found on the class, so that a tick need not look for what is not there.
     get_state_switch: Callable[[], str | None] | None = None
     """Define it to be asked at the start of each tick; what is not None becomes `state`."""
     state_handle: Callable[..., object] | None = None
@@ -125,6 +124,8 @@ class BaseManager:
         self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
         self._has_shut_down = False
+        # Whether there is anything in `get_state_switch` or `state_handle`; known at the start.
+        self._may_switch = True
         # Whether `state_handle` takes what the switch gave; looked up when it is first called.
         self._hands_switch_over: bool | None = None
         self.init_custom_variables()
@@ -155,18 +156,8 @@ class BaseManager:
 
     def main_loop(self) -> None:
         """Called once per tick. The order is the promise; override it to have another."""
-        switch = None
-        if self.get_state_switch is not None:
-            switch = self.get_state_switch()
-            if switch is not None:
-                self.state = switch
-        if self.state_handle is not None:
-            if self._hands_switch_over is None:
-                self._hands_switch_over = bool(inspect.signature(self.state_handle).parameters)
-            if self._hands_switch_over:
-                self.state_handle(switch)
-            else:
-                self.state_handle()
+        if self._may_switch:
+            self._switch_state()
         if self.handlers is not None:
             self.handlers.handle()
         self.update_timestamp()
@@ -206,6 +197,7 @@ class BaseManager:
         """
         if self._has_shut_down:
             raise RuntimeError("a manager runs once; make a new one")
+        self._may_switch = not (self.get_state_switch is None and self.state_handle is None)
         if processes:
             processes.claim(self.logger)
         with stop_on_signals(self.request_stop):
@@ -241,6 +233,19 @@ class BaseManager:
         # By name, because components may take it from their keyword arguments; but Python
         # has no place for positional ones after a named first.
         return component(self, *args, **kwargs) if args else component(manager=self, **kwargs)
+
+    def _switch_state(self) -> None:
+        switch = self.get_state_switch() if self.get_state_switch is not None else None
+        if switch is not None:
+            self.state = switch
+        if self.state_handle is None:
+            return
+        if self._hands_switch_over is None:
+            self._hands_switch_over = bool(inspect.signature(self.state_handle).parameters)
+        if self._hands_switch_over:
+            self.state_handle(switch)
+        else:
+            self.state_handle()
 
     def _is_stopping(self) -> bool:
         return self._stop_requested

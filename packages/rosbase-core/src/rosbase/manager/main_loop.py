@@ -18,7 +18,7 @@ def run_main_loop(
     """Runs ticks until `stopping`; whatever a tick or a callback raises ends the loop."""
     monotonic_ns, spin_until, notes = backend.clock.monotonic_ns, backend.spin_until, stats.notes
     rate = Rate(frequency_hz, monotonic_ns())
-    deadline_ns = rate.deadline_ns
+    deadline_ns, period_ns = rate.deadline_ns, rate.whole_period_ns
     while True:
         spin_until(deadline_ns, stopping)
         if stopping():
@@ -26,11 +26,15 @@ def run_main_loop(
         start_ns = monotonic_ns()
         tick()
         end_ns = monotonic_ns()
-        deadline_ns = rate.advance(end_ns)
-        # Counting is spread out here, not called: after a sleep the processor is cold, and
-        # every call costs a microsecond or more.
-        stats.overruns = rate.skipped
+        # Spread out here, not called: after a sleep the processor is cold, and a call costs a
+        # microsecond or more. What is written is what `rate` and `stats` would do.
         notes.append(start_ns)
         notes.append(end_ns)
+        if period_ns and end_ns - deadline_ns < 2 * period_ns:
+            deadline_ns += period_ns
+        else:
+            rate.deadline_ns = deadline_ns
+            deadline_ns = rate.advance(end_ns)
+            stats.overruns = rate.skipped
         if len(notes) >= LoopStats.MANY_NOTES:
             stats.digest()
