@@ -209,3 +209,30 @@ def test_a_hundred_children_come_and_go() -> None:
     processes = register_multiprocess_nodes({}, {f"c{n}": "sleep 1000 &" for n in range(100)})
     shutdown_multiprocess_nodes(processes)
     assert not any(child.is_alive for child in processes.values())
+
+
+def test_a_manager_runs_where_there_are_no_posix_signals_and_children_are_refused(
+    tmp_path: Path,
+) -> None:
+    app = """
+    import os, signal
+    for name in ("SIGHUP", "SIGKILL", "SIGPIPE", "SIGXFSZ", "SIGCHLD", "pthread_sigmask"):
+        delattr(signal, name)
+    from rosbase import BaseHandlers, BaseManager, register_multiprocess_nodes
+    from rosbase.errors import ConfigurationError
+
+    class Handlers(BaseHandlers):
+        def handle(self):
+            self.manager.request_stop()
+
+    manager = BaseManager(handlers_class=Handlers)
+    manager.start_main_loop_timer()
+    os.name = "nt"
+    try:
+        register_multiprocess_nodes({}, {"x": "true"})
+    except ConfigurationError as refusal:
+        print(manager.timestamp, refusal)
+    os.name = "posix"
+    """
+    with running(tmp_path, app) as program:
+        assert program.end() == (0, "1 child processes need a POSIX system\n", "")

@@ -22,6 +22,9 @@ class BaseAgent(Component, ABC):
     def reset(self) -> None:
         """Called to start afresh. Forget what has been computed so far."""
 
+    def close(self) -> None:
+        """Called by programs whose `release_resources` closes all agents. Release what it holds."""
+
     @property
     def state(self) -> str | None:
         """The manager's state; None without a manager."""

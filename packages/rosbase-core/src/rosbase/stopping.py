@@ -9,7 +9,9 @@ from types import FrameType
 
 __all__ = ["stop_on_signals"]
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Windows has no SIGHUP.
+_HANGUP = getattr(signal, "SIGHUP", None)
+_SIGNALS = [signal.SIGINT, signal.SIGTERM] + ([_HANGUP] if _HANGUP is not None else [])
 
 
 @contextmanager
@@ -36,7 +38,7 @@ def stop_on_signals(request_stop: Callable[[], object]) -> Iterator[None]:
     before = {
         number: signal.signal(number, handle)
         for number in _SIGNALS
-        if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN
+        if number != _HANGUP or signal.getsignal(number) is not signal.SIG_IGN
     }
     try:
         yield

@@ -20,10 +20,12 @@ import sys
 import time
 from collections.abc import Callable
 
+# By number: this module is imported, though not used, where there is no such signal.
+SIGKILL = 9
 # How long each signal may take, in seconds.
-LADDER = ((signal.SIGINT, 2.0), (signal.SIGTERM, 1.0), (signal.SIGKILL, 1.0))
+LADDER = ((signal.SIGINT, 2.0), (signal.SIGTERM, 1.0), (SIGKILL, 1.0))
 # The same when nobody waits for a proper end any more.
-SHORT_LADDER = ((signal.SIGINT, 0.4), (signal.SIGTERM, 0.4), (signal.SIGKILL, 1.0))
+SHORT_LADDER = ((signal.SIGINT, 0.4), (signal.SIGTERM, 0.4), (SIGKILL, 1.0))
 PATIENCE_S = sum(seconds for _, seconds in LADDER)
 """The longest that a stop takes."""
 
@@ -89,13 +91,13 @@ class Guardian:
             return
         family = _descendants()
         if self._is_killing:
-            self._signal(signal.SIGKILL, family)
+            self._signal(SIGKILL, family)
         while time.monotonic() >= self._stage_ends:
             if not self._ladder:
                 self._say(f"left {' '.join(map(str, family))}")
                 os._exit(1)
             number, seconds = self._ladder.pop(0)
-            self._is_killing = number == signal.SIGKILL
+            self._is_killing = number == SIGKILL
             if self._is_killing:
                 self._say("killed")
             self._signal(number, family)
@@ -148,7 +150,7 @@ def _start(argv: list[str], *, holds_signals: bool) -> int:
         return pid
     try:
         os.setsid()
-        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        _prctl(_PR_SET_PDEATHSIG, SIGKILL)
         if os.getppid() != guardian:
             # Killed before it could be said that this one dies with it.
             os._exit(128 + signal.SIGKILL)
@@ -231,7 +233,7 @@ def _group_of(pid: int) -> int:
 
 def _can_answer(pid: int, number: int) -> bool:
     fields = _stat(pid)
-    if number == signal.SIGKILL:
+    if number == SIGKILL:
         return True
     if fields is None or fields[0] in (b"T", b"t"):
         return False

@@ -1,6 +1,7 @@
 """The two functions that programs call, and the children that nobody has claimed yet."""
 
 import atexit
+import os
 import weakref
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -105,12 +106,14 @@ def register_multiprocess_nodes(
 
     Raises:
         ConfigurationError: A name stands for two, or is none of those given; or another
-            process cannot find a node's class.
+            process cannot find a node's class; or this is not a POSIX system.
         OSError: The machine refuses to start one. Those before it have been stopped.
         RuntimeError: This is the child itself, importing the program's main module.
     """
     if _refusal:
         raise RuntimeError(_refusal)
+    if os.name != "posix":
+        raise ConfigurationError("child processes need a POSIX system")
     logger = logger or RosbaseLogger("processes")
     launches = _launches(mp_nodes_dict or {}, cmds_dict or {}, logger)
     policies = _policies(restart, launches)
