@@ -9,7 +9,7 @@ from hypothesis import given
 
 from rosbase import BaseHandlers, BaseManager
 from rosbase.fsm import ANY, Machine, Transition
-from support.roles import local_backend
+from rosbase.testing import virtual_backend
 from support.strategies import FsmRow, fsm_happenings, fsm_tables
 
 
@@ -261,7 +261,7 @@ def test_handlers_hold_the_state_of_the_manager() -> None:
             super().__init__(manager, **kwargs)
             self.machine = Machine("cold", [Transition("cold", "warm")], holder=self)
 
-    manager = BaseManager(handlers_class=Handlers, start_state="warm", backend=local_backend())
+    manager = BaseManager(handlers_class=Handlers, start_state="warm", backend=virtual_backend())
     assert isinstance(manager.handlers, Handlers)
     manager.handlers.machine.step()
     manager.state = "cold"

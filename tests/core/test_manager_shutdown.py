@@ -17,7 +17,8 @@ from rosbase import (
     LifecycleNode,
     State,
 )
-from support.roles import Camera, StopAfter, local_backend
+from rosbase.testing import virtual_backend
+from support.roles import Camera, StopAfter
 
 APP = """
 import sys
@@ -65,7 +66,7 @@ def test_every_step_of_the_shutdown_is_attempted_in_order() -> None:
             done.append("destroy")
             super().destroy_node()
 
-    app = App(nodes_dict={"device": Device}, handlers_class=StopAfter, backend=local_backend())
+    app = App(nodes_dict={"device": Device}, handlers_class=StopAfter, backend=virtual_backend())
     with pytest.raises(ValueError, match="window"):
         app.start_main_loop_timer()
     assert done == ["deactivate", "cleanup", "shutdown", "release", "destroy"]
@@ -92,7 +93,7 @@ def test_a_node_that_exits_does_not_keep_the_others_from_being_taken_down() -> N
         def release_resources(self) -> None:
             done.append("release")
 
-    backend = local_backend()
+    backend = virtual_backend()
     app = App(
         nodes_dict={"quiet": Quiet, "exits": Exits}, handlers_class=StopAfter, backend=backend
     )
@@ -108,7 +109,7 @@ def test_a_node_that_is_up_already_is_left_up() -> None:
         autostart = "activate"
 
     manager = BaseManager(
-        nodes_dict={"d": Device}, handlers_class=StopAfter, backend=local_backend()
+        nodes_dict={"d": Device}, handlers_class=StopAfter, backend=virtual_backend()
     )
     manager.nodes["d"].trigger_configure()
     manager.start_main_loop_timer()
@@ -127,7 +128,7 @@ def test_an_exception_in_user_code_cleans_up_and_is_raised() -> None:
             released.append(1)
 
     with pytest.raises(KeyError, match="target"):
-        App(handlers_class=Bad, backend=local_backend()).start_main_loop_timer()
+        App(handlers_class=Bad, backend=virtual_backend()).start_main_loop_timer()
     assert released == [1]
 
 
@@ -159,7 +160,7 @@ def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back(
 
     good, bad = CallbackReturn.SUCCESS, CallbackReturn.FAILURE
     nodes = {"a": device("a", good), "b": device("b", good), "c": device("c", bad)}
-    manager = BaseManager(nodes_dict=nodes, handlers_class=Look, backend=local_backend())
+    manager = BaseManager(nodes_dict=nodes, handlers_class=Look, backend=virtual_backend())
     manager.start_main_loop_timer()
     assert trace == ["a up", "b up", "c up", "b down", "a down"]
     assert "activate failed, now inactive: no reason" in caplog.text
@@ -200,7 +201,7 @@ def test_building_a_component_that_raises_closes_the_backend() -> None:
         def __init__(self, **kwargs: Any) -> None:
             raise ValueError("no camera")
 
-    backend = local_backend()
+    backend = virtual_backend()
     with pytest.raises(ValueError, match="no camera"):
         BaseManager(nodes_dict={"camera": Camera, "bad": Bad}, backend=backend)
     assert backend._closed

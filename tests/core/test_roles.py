@@ -13,8 +13,8 @@ from rosbase import (
 )
 from rosbase.errors import HandshakeTimeoutError, NotInstalledError
 from rosbase.messages import Header
-from rosbase.testing import ManualClock
-from support.roles import Brain, Camera, StopAfter, local_backend
+from rosbase.testing import ManualClock, virtual_backend
+from support.roles import Brain, Camera, StopAfter
 
 
 def test_components_are_built_in_order_and_see_each_other() -> None:
@@ -42,7 +42,7 @@ def test_components_are_built_in_order_and_see_each_other() -> None:
         agents_dict={"second": Second},
         handlers_class=Last,
         start_state="PREPARE",
-        backend=local_backend(),
+        backend=virtual_backend(),
         gain=2,
     )
     assert seen == ["first [] 0 2", "second ['first'] PREPARE", "last ['first'] ['second']"]
@@ -66,7 +66,7 @@ def test_positional_arguments_are_forwarded_as_given() -> None:
         False,
         1,
         "two",
-        backend=local_backend(),
+        backend=virtual_backend(),
     )
     assert manager.nodes["holder"].given == (1, "two")
     manager.destroy_node()
@@ -90,7 +90,7 @@ def test_each_tick_has_its_order_and_the_first_sees_zero() -> None:
             trace.append(("handle", self.state))
             super().handle()
 
-    manager = Ordered(handlers_class=Handlers, start_state="PREPARE", backend=local_backend())
+    manager = Ordered(handlers_class=Handlers, start_state="PREPARE", backend=virtual_backend())
     manager.start_main_loop_timer()
     assert trace == [
         ("switch", 0),
@@ -114,7 +114,7 @@ def test_the_rate_is_kept_and_missed_ticks_are_skipped_and_counted() -> None:
                 clock.advance(0.35)
             super().handle()
 
-    manager = BaseManager(handlers_class=Slow, node_freq_hz=10, backend=local_backend(clock))
+    manager = BaseManager(handlers_class=Slow, node_freq_hz=10, backend=virtual_backend(clock))
     manager.start_main_loop_timer()
     assert starts == pytest.approx([0.0, 0.1, 0.45, 0.5, 0.6])
     assert (manager.loop_stats.ticks, manager.loop_stats.overruns) == (5, 2)
@@ -138,7 +138,7 @@ def test_messages_are_handled_between_ticks_on_the_same_thread() -> None:
         nodes_dict={"camera": Listener},
         handlers_class=Talk,
         node_freq_hz=100,
-        backend=local_backend(),
+        backend=virtual_backend(),
     )
     manager.start_main_loop_timer()
     assert manager.nodes["camera"].img.frame_id == "3"
@@ -148,7 +148,7 @@ def test_messages_are_handled_between_ticks_on_the_same_thread() -> None:
 def test_the_handshake_waits_for_messages_and_names_what_is_pending() -> None:
     clock = ManualClock()
     manager = BaseManager(
-        nodes_dict={"camera": Camera}, handlers_class=StopAfter, backend=local_backend(clock)
+        nodes_dict={"camera": Camera}, handlers_class=StopAfter, backend=virtual_backend(clock)
     )
     camera = manager.nodes["camera"]
     asked: list[bool] = []
@@ -166,7 +166,7 @@ def test_the_handshake_waits_for_messages_and_names_what_is_pending() -> None:
 
 
 def test_a_handshake_that_times_out_names_the_pending_rules_and_cleans_up() -> None:
-    manager = BaseManager(backend=local_backend(), handshake_timeout=1.0)
+    manager = BaseManager(backend=virtual_backend(), handshake_timeout=1.0)
     manager.add_handshake_rule("Camera Stream", lambda: False)
     manager.add_handshake_rule("Robot Connection", lambda: 1 / 0)
     manager.add_handshake_rule("Battery", lambda: True)
@@ -177,7 +177,7 @@ def test_a_handshake_that_times_out_names_the_pending_rules_and_cleans_up() -> N
 def test_the_measured_frequency_is_logged(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", logger="rosbase")
     manager = BaseManager(
-        handlers_class=StopAfter, node_freq_hz=1.5, log_freq=True, backend=local_backend()
+        handlers_class=StopAfter, node_freq_hz=1.5, log_freq=True, backend=virtual_backend()
     )
     manager.start_main_loop_timer()
     assert set(caplog.messages) == {"main loop: 1.5 Hz"}
@@ -194,7 +194,7 @@ def test_an_agent_works_without_a_manager() -> None:
 
 
 def test_handlers_read_and_write_the_state_of_the_manager() -> None:
-    manager = BaseManager(handlers_class=BaseHandlers, start_state="a", backend=local_backend())
+    manager = BaseManager(handlers_class=BaseHandlers, start_state="a", backend=virtual_backend())
     assert manager.handlers is not None
     manager.handlers.state = "b"
     manager.handlers.timestamp = 7
@@ -203,7 +203,7 @@ def test_handlers_read_and_write_the_state_of_the_manager() -> None:
 
 
 def test_a_lone_node_opens_and_closes_its_own_connection() -> None:
-    backend = local_backend()
+    backend = virtual_backend()
     node = Camera(backend=backend)
     released: list[int] = []
     node.release_resources = lambda: released.append(1)  # type: ignore[method-assign]

@@ -7,14 +7,7 @@ from rosbase import (
     BaseHandlers,
     BaseNode,
 )
-from rosbase.backend import BackendOptions
-from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header
-from rosbase.testing import ManualClock
-
-
-def local_backend(clock: ManualClock | None = None) -> LocalBackend:
-    return LocalBackend(BackendOptions("test", clock=clock or ManualClock()), Bus())
 
 
 class Camera(BaseNode):
