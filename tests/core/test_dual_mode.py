@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rosbase import BaseManager, BaseNode
+from rosbase import BaseManager, BaseNode, CallbackReturn, LifecycleNode, State
 from rosbase.errors import BackendError
 from rosbase.messages import Header
 from rosbase.testing import ManualClock, virtual_backend
@@ -171,3 +171,42 @@ def test_ctrl_c_ends_a_lone_node_that_cleans_up_by_itself(tmp_path: Path) -> Non
     assert (status, err) == (0, "")
     assert out.splitlines()[:3] == ["released", "returned", "released"]
     assert "closed" in out.splitlines()[3]
+
+
+def test_every_step_of_a_lone_nodes_end_is_attempted_and_the_first_failure_is_raised() -> None:
+    done: list[str] = []
+
+    class Device(LifecycleNode):
+        autostart = "activate"
+
+        def on_activate(self, previous_state: State) -> CallbackReturn:
+            self._request_stop()
+            return CallbackReturn.SUCCESS
+
+        def on_deactivate(self, previous_state: State) -> CallbackReturn:
+            raise SystemExit(4)
+
+        def release_resources(self) -> None:
+            done.append("released")
+            raise RuntimeError("release")
+
+    backend = virtual_backend()
+    with pytest.raises(SystemExit):
+        Device(backend=backend).start_spin_standalone()
+    assert done == ["released"]
+    assert backend._closed
+
+
+def test_what_a_callback_of_a_lone_node_raises_is_not_hidden_by_a_clean_up_that_fails() -> None:
+    class Bad(BaseNode):
+        def release_resources(self) -> None:
+            raise RuntimeError("release")
+
+    node = Bad(backend=virtual_backend())
+
+    def fail() -> None:
+        raise ValueError("callback")
+
+    node.create_timer(0.1, fail)
+    with pytest.raises(ValueError, match="callback"):
+        node.start_spin_standalone()

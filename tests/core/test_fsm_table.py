@@ -1,5 +1,6 @@
 """Tables of the task state machine: what is refused when they are written, how they are drawn."""
 
+from enum import Enum
 from functools import partial
 from typing import Any
 
@@ -21,6 +22,7 @@ from rosbase.fsm import ANY, Machine, Transition
         ({"source": ("a", ANY)}, "ANY stands alone"),
         ({"target": ANY}, "ANY cannot be the target"),
         ({"event": ""}, "has an event without a name"),
+        ({"event": 3}, "has an event without a name"),
     ],
 )
 def test_a_row_that_can_only_be_a_slip_is_refused(arguments: Any, message: str) -> None:
@@ -34,6 +36,7 @@ def test_a_row_that_can_only_be_a_slip_is_refused(arguments: Any, message: str) 
         ("x", [Transition("a", "b")], {}, "the initial state 'x' is not in the table"),
         ("a", [], {}, "the initial state 'a' is not in the table"),
         (ANY, [Transition(ANY, "b")], {}, "initial state"),
+        ("a", [Transition(ANY, "a")], {}, "from any state to 'a' leaves none"),
         ("a", [Transition("a", "b")], {"on_enter": {"x": print}}, "on_enter has the state 'x'"),
         ("a", [Transition("a", "b")], {"on_exit": {"x": print}}, "on_exit has the state 'x'"),
         ("a", [Transition("a", "b")], {"during": {"x": print}}, "during has the state 'x'"),
@@ -137,3 +140,14 @@ def test_names_that_a_diagram_cannot_take_get_an_alias() -> None:
         "    s1 --> s4\n"
         "    s4 --> [*]\n"
     )
+
+
+def test_a_diagram_calls_members_of_a_string_enumeration_by_their_value() -> None:
+    class Task(str, Enum):  # noqa: UP042 - StrEnum does not show the difference
+        SEARCH = "search"
+        GRASP = "grasp it"
+
+    drawn = Machine(Task.SEARCH, [Transition(Task.SEARCH, Task.GRASP)]).to_mermaid()
+    assert "Task" not in drawn
+    assert "    search --> s1\n" in drawn
+    assert 'state "grasp it" as s1' in drawn

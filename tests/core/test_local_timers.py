@@ -239,3 +239,16 @@ def test_stopping_ends_the_spin(backend: LocalBackend) -> None:
     backend.call_soon(lambda: stops.append(1))
     backend.spin_until(10**15, lambda: bool(stops))
     assert stops == [1]
+
+
+def test_a_destroyed_timer_stays_so_whoever_resets_it(backend: LocalBackend) -> None:
+    fired: list[int] = []
+    timer = backend.create_timer(0.1, lambda: fired.append(1))
+    backend.destroy_timer(timer)
+    timer.reset()
+    assert timer.is_canceled()
+    other = backend.create_timer(0.1, lambda: fired.append(2))
+    backend.close()
+    other.reset()
+    backend.spin_until(10**9, never)
+    assert fired == []

@@ -1,3 +1,4 @@
+import copy
 import logging
 import subprocess
 import sys
@@ -6,7 +7,7 @@ from typing import Any
 import pytest
 
 from rosbase import BaseHandlers, BaseManager
-from rosbase.logger import RosbaseLogger
+from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.testing import ManualClock, virtual_backend
 from support.roles import Brain, Camera
 
@@ -187,3 +188,33 @@ def test_info_and_worse_goes_to_stderr_unless_the_program_has_set_up_logging(
         check=False,
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", expected)
+
+
+def test_a_custom_logger_of_our_own_kind_throttles_on_the_clock_of_its_manager() -> None:
+    class Mine(RosbaseLogger):
+        pass
+
+    clock = ManualClock()
+    logger = make_logger("x", Mine, clock)
+    due = []
+    for _ in range(100):
+        due.append(logger.due("key", 1.0))
+        clock.advance(0.1)
+    assert sum(due) == 10
+
+
+def test_messages_that_are_throttled_and_never_repeated_do_not_pile_up() -> None:
+    clock = ManualClock()
+    logger = RosbaseLogger("x", clock)
+    for number in range(5000):
+        logger.log_throttle(f"distance {number}", 0.001)
+        clock.advance(0.01)
+    assert len(logger._next_ns) <= 1000
+
+
+def test_a_custom_logger_can_be_copied() -> None:
+    class Plain:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+    assert copy.copy(make_logger("x", Plain)).name == "x"

@@ -16,6 +16,8 @@ Autostart: TypeAlias = Literal["none", "configure", "activate"]
 
 MessageT = TypeVar("MessageT")
 
+_TRANSITION_PATIENCE_S = 5.0
+
 
 class LifecyclePublisher:
     """A publisher that sends only while its node is active."""
@@ -67,6 +69,7 @@ class LifecycleNode(BaseNode):
         FAILURE, or given to `raise_error`."""
         self._machine = Machine()
         self._transition_lock = threading.Lock()
+        self._transition_thread: int | None = None
         self._gated: list[LifecyclePublisher] = []
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
@@ -147,8 +150,17 @@ class LifecycleNode(BaseNode):
         return self._drive(lambda: self._machine.request(transition_id, label))
 
     def bring_up(self) -> bool:
-        """Brings the node as far as its `autostart` says; tells whether it got there."""
+        """Brings the node as far as its `autostart` says; tells whether it got there.
+
+        Raises:
+            ValueError: `autostart` says something else.
+        """
         labels = {"none": (), "configure": ("configure",), "activate": ("configure", "activate")}
+        if self.autostart not in labels:
+            choices = ", ".join(labels)
+            raise ValueError(
+                f"autostart of {type(self).__name__} is one of {choices}, not {self.autostart!r}"
+            )
         for label in labels[self.autostart]:
             if not any(t.label == label for t in self.get_available_transitions()):
                 # It has been brought so far, or farther, already.
@@ -160,8 +172,15 @@ class LifecycleNode(BaseNode):
     def take_down(self, *, finalize: bool) -> None:
         """Deactivates and cleans the node up, and with `finalize` shuts it down.
 
-        Every step is attempted. What ends the program is raised at the end.
+        Every step is attempted. What ends the program is raised at the end. A transition that
+        runs on another thread has a few seconds to come to its end first.
         """
+        if self._transition_thread != threading.get_ident():
+            if self._transition_lock.acquire(timeout=_TRANSITION_PATIENCE_S):
+                self._transition_lock.release()
+            else:
+                label = self._machine.state.label
+                self.logger.error(f"still {label} after {_TRANSITION_PATIENCE_S:g} s")
         steps = ((State.ACTIVE, "deactivate"), (State.INACTIVE, "cleanup"))
         failure: BaseException | None = None
         for state, label in (*steps, (None, "shutdown")):
@@ -221,6 +240,7 @@ class LifecycleNode(BaseNode):
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._transition_lock.acquire(blocking=False):
             raise TransitionNotAvailableError("another transition is under way")
+        self._transition_thread = threading.get_ident()
         # What ends the program is passed on once the machine has come to rest.
         self._interrupt = None
         known_error = self.last_error
@@ -237,6 +257,7 @@ class LifecycleNode(BaseNode):
                 self._note(self._machine.finish(self._call_back()))
             interrupt = self._interrupt
         finally:
+            self._transition_thread = None
             self._transition_lock.release()
         if interrupt is not None:
             raise interrupt

@@ -13,6 +13,8 @@ from rosbase.clock import Clock, SystemClock
 __all__ = ["RosbaseLogger", "make_logger"]
 
 _NS_PER_S = 1_000_000_000
+# From so many on, those whose time is over are forgotten.
+_MANY_KEYS = 1000
 
 
 class RosbaseLogger:
@@ -73,6 +75,8 @@ class RosbaseLogger:
         with self._lock:
             if now_ns < self._next_ns.get(key, now_ns):
                 return False
+            if len(self._next_ns) >= _MANY_KEYS:
+                self._next_ns = {k: due for k, due in self._next_ns.items() if due > now_ns}
             self._next_ns[key] = now_ns + int(seconds * _NS_PER_S)
             return True
 
@@ -131,6 +135,9 @@ class _CustomLogger(RosbaseLogger):
                 setattr(self, method, getattr(custom, method))
 
     def __getattr__(self, attribute: str) -> Any:
+        if attribute == "_custom":
+            # A copy in the making asks for it before it is there.
+            raise AttributeError(attribute)
         return getattr(self._custom, attribute)
 
     def reset(self) -> None:
@@ -165,7 +172,12 @@ def make_logger(
     if custom is None:
         return RosbaseLogger(name, clock)
     logger = custom(name)
-    return logger if isinstance(logger, RosbaseLogger) else _CustomLogger(name, logger, clock)
+    if not isinstance(logger, RosbaseLogger):
+        return _CustomLogger(name, logger, clock)
+    if clock is not None:
+        # Made with the name alone, it cannot know which time counts here.
+        logger._clock = clock
+    return logger
 
 
 def _with_traceback(message: str, exc_info: Any) -> str:

@@ -9,6 +9,7 @@ from rosbase.connection import lone_node_name, open_backend
 from rosbase.context import Component, ManagerContext
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.shutdown import run_steps
 from rosbase.stopping import stop_on_signals
 
 __all__ = ["BaseNode"]
@@ -122,18 +123,18 @@ class BaseNode(Component):
         """
         if self.manager is not None:
             raise RuntimeError("a node with a manager is run by the manager")
-        try:
-            with stop_on_signals(self._request_stop):
+        with stop_on_signals(self._request_stop):
+            try:
                 self._begin()
                 while not self._stop_requested:
                     deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                     self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
-        finally:
-            try:
-                self._end()
-                self.release_resources()
-            finally:
-                self.destroy_node()
+            except BaseException:
+                self._shut_down()
+                raise
+            failure = self._shut_down()
+            if failure is not None:
+                raise failure
 
     def release_resources(self) -> None:
         """Called when the node ends. Override it to release files, threads and devices."""
@@ -148,6 +149,16 @@ class BaseNode(Component):
 
     def _end(self) -> None:
         """What a lone node does once it is not spun any more."""
+
+    def _shut_down(self) -> BaseException | None:
+        return run_steps(
+            [
+                ("lifecycle", self._end),
+                ("release_resources", self.release_resources),
+                ("destroy_node", self.destroy_node),
+            ],
+            self.logger,
+        )
 
     def _request_stop(self) -> None:
         self._stop_requested = True

@@ -33,7 +33,7 @@ class Rate:
         Raises:
             ValueError: The frequency is not a positive, finite number.
         """
-        if not 0.0 < frequency_hz < float("inf"):
+        if not _is_rate(frequency_hz):
             raise ValueError(f"a rate is a positive number of hertz, not {frequency_hz!r}")
         # As it is written: 333.3 Hz has a short fraction, what a float makes of it a long one.
         period = _NS_PER_S / Fraction(repr(float(frequency_hz)))
@@ -73,6 +73,15 @@ class Rate:
         self.skipped += periods
         self.deadline_ns += periods * self._period_ns
         return self._carry(periods)
+
+
+def _is_rate(value: object) -> bool:
+    if isinstance(value, str):
+        return False
+    try:
+        return 0.0 < float(value) < float("inf")  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return False
 
 
 class LoopStats:

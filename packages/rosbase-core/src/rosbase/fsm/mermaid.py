@@ -53,7 +53,8 @@ def _aliases(states: tuple[str, ...]) -> dict[str, str]:
     """By state, the name by which the diagram calls it."""
     names: dict[str, str] = {}
     for state in states:
-        name, number = state, 0
+        # What a member of a string enumeration says of itself is another name.
+        name, number = str.__str__(state), 0
         while not _can_be_taken(name) or name in names.values() or name in set(states) - {state}:
             number += 1
             name = f"s{number}"

@@ -52,6 +52,8 @@ class Table:
 
     def _add(self, row: Transition) -> None:
         sources = self._sources(row)
+        if not sources:
+            raise ValueError(f"the transition from any state to {row.target!r} leaves none")
         hidden = [s for s in sources if any(r.when is None for r in self.leaving(s, row.event))]
         # A row for any state may come after one that serves some of them.
         if hidden and (row.source != ANY or hidden == sources):

@@ -51,7 +51,7 @@ class Transition:
             raise ValueError("ANY cannot be the target of a transition")
         if ANY in self.sources and len(self.sources) > 1:
             raise ValueError(f"ANY stands alone as the source of the transition to {self.target!r}")
-        if self.event is not None and not self.event.strip():
+        if self.event is not None and not (isinstance(self.event, str) and self.event.strip()):
             raise ValueError(f"the transition to {self.target!r} has an event without a name")
 
     @property

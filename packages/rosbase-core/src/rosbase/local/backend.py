@@ -81,7 +81,7 @@ class LocalBackend(Backend):
         """Ends a timer."""
         if timer in self._timers:
             self._timers.remove(timer)
-            timer.cancel()
+            self._executor.cancel_timer(timer, destroy=True)
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
         """Makes a parameter known, with its override if there is one."""

@@ -21,7 +21,7 @@ _NAP_NS = 10_000_000
 class LocalTimer:
     """A timer with absolute deadlines. Periods that were missed are skipped."""
 
-    __slots__ = ("_executor", "callback", "period_ns", "serial")
+    __slots__ = ("_executor", "callback", "is_destroyed", "period_ns", "serial")
 
     def __init__(
         self, executor: "Executor", period_ns: int, callback: Callable[[], object]
@@ -29,6 +29,8 @@ class LocalTimer:
         self._executor = executor
         self.period_ns = period_ns
         self.callback = callback
+        self.is_destroyed = False
+        """A destroyed timer does not start again."""
         self.serial: int | None = None
         """The entry of the executor's heap that counts; any other is of a life before."""
 
@@ -81,14 +83,17 @@ class Executor:
         """Has the timer fire one period from now, and again after each period."""
         deadline_ns = self._monotonic_ns() + timer.period_ns
         with self._timer_lock:
+            if timer.is_destroyed:
+                return
             self._push(deadline_ns, timer)
         if self._sleeping:
             self.call_soon(_nothing)
 
-    def cancel_timer(self, timer: LocalTimer) -> None:
-        """Has the timer not fire any more."""
+    def cancel_timer(self, timer: LocalTimer, *, destroy: bool = False) -> None:
+        """Has the timer not fire any more; with `destroy`, whoever resets it."""
         with self._timer_lock:
             timer.serial = None
+            timer.is_destroyed = timer.is_destroyed or destroy
 
     def spin_once(self, timeout_s: float) -> bool:
         """Runs one call, waiting for it as long as `timeout_s`; tells whether there was one."""

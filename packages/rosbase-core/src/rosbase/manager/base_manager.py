@@ -15,7 +15,6 @@ from rosbase.manager.bringup import bring_up, take_down
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
-from rosbase.manager.shutdown import run_steps
 from rosbase.node import BaseNode
 from rosbase.processes import (
     ChildProcesses,
@@ -24,6 +23,7 @@ from rosbase.processes import (
     shutdown_unclaimed,
 )
 from rosbase.rate import LoopStats, Rate
+from rosbase.shutdown import run_steps
 from rosbase.stopping import stop_on_signals
 
 # Programs written for ros_base import the two functions from here.
@@ -45,7 +45,8 @@ class BaseManager:
     """
 
     get_state_switch: Callable[[], str | None] | None = None
-    """Define it to be asked at the start of each tick; what is not None becomes `state`."""
+    """Define it to be asked at the start of each tick; what is not None becomes `state`. It
+    must be there, as `state_handle`, when the main loop starts."""
     state_handle: Callable[..., object] | None = None
     """Define it to be called after that, with what `get_state_switch` gave if it takes it."""
 
@@ -83,7 +84,8 @@ class BaseManager:
             kwargs: Forwarded to every component as they are.
 
         Raises:
-            ValueError: The rate is not a positive number of hertz.
+            ValueError: The rate is not a positive number of hertz, or the time-out not one of
+                seconds.
             NotInstalledError: No backend of that name can be used.
         """
         try:
@@ -111,6 +113,8 @@ class BaseManager:
     ) -> None:
         """What components may rely on while they are built."""
         Rate(node_freq_hz, 0)
+        if handshake_timeout is not None and not _is_duration(handshake_timeout):
+            raise ValueError(f"handshake_timeout is a number of seconds, not {handshake_timeout!r}")
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
@@ -123,7 +127,7 @@ class BaseManager:
         self._log_freq = log_freq
         self._frequency_mark: tuple[int, int] | None = None
         self._stop_requested = False
-        self._has_shut_down = False
+        self._has_started = False
         # Whether there is anything in `get_state_switch` or `state_handle`; known at the start.
         self._may_switch = True
         # Whether `state_handle` takes what the switch gave; looked up when it is first called.
@@ -152,7 +156,7 @@ class BaseManager:
 
     def handshake(self) -> bool | None:
         """Called until it answers anything but False; messages are handled in between."""
-        return not self._handshake.pending()
+        return self._handshake.ask()
 
     def main_loop(self) -> None:
         """Called once per tick. The order is the promise; override it to have another."""
@@ -193,15 +197,16 @@ class BaseManager:
 
         Raises:
             HandshakeTimeoutError: The rules that it names did not come true in time.
-            RuntimeError: It has run already.
+            RuntimeError: It has run already, or is running.
+            TypeError: `processes` is something else.
         """
-        if self._has_shut_down:
+        if self._has_started:
             raise RuntimeError("a manager runs once; make a new one")
+        self._has_started = True
         self._may_switch = not (self.get_state_switch is None and self.state_handle is None)
-        if processes:
-            processes.claim(self.logger)
         with stop_on_signals(self.request_stop):
             try:
+                self._claim(processes)
                 self._wait_for_handshake()
                 bring_up(self._lifecycle_nodes(), self._is_stopping)
                 with ClockWatch(self.backend, self.logger):
@@ -234,6 +239,12 @@ class BaseManager:
         # has no place for positional ones after a named first.
         return component(self, *args, **kwargs) if args else component(manager=self, **kwargs)
 
+    def _claim(self, processes: ChildProcesses | None) -> None:
+        if isinstance(processes, ChildProcesses):
+            processes.claim(self.logger)
+        elif processes:
+            raise TypeError(f"{processes!r} is not what register_multiprocess_nodes gave")
+
     def _switch_state(self) -> None:
         switch = self.get_state_switch() if self.get_state_switch is not None else None
         if switch is not None:
@@ -241,7 +252,7 @@ class BaseManager:
         if self.state_handle is None:
             return
         if self._hands_switch_over is None:
-            self._hands_switch_over = bool(inspect.signature(self.state_handle).parameters)
+            self._hands_switch_over = _takes_an_argument(self.state_handle)
         if self._hands_switch_over:
             self.state_handle(switch)
         else:
@@ -257,7 +268,7 @@ class BaseManager:
         clock = self.backend.clock
         start_ns = clock.monotonic_ns()
         while not self._stop_requested and self.handshake() is False:
-            pending = ", ".join(self._handshake.pending()) or "the manager's own handshake"
+            pending = ", ".join(self._handshake.pending) or "the manager's own handshake"
             waited_s = (clock.monotonic_ns() - start_ns) / 1e9
             if self._handshake_timeout_s is not None and waited_s >= self._handshake_timeout_s:
                 raise HandshakeTimeoutError(f"after {waited_s:.1f} s still waiting for: {pending}")
@@ -275,9 +286,6 @@ class BaseManager:
             self._frequency_mark = (now_ns, ticks)
 
     def _shut_down(self, processes: ChildProcesses | None) -> BaseException | None:
-        if self._has_shut_down:
-            return None
-        self._has_shut_down = True
         return run_steps(
             [
                 ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes())),
@@ -288,6 +296,15 @@ class BaseManager:
             ],
             self.logger,
         )
+
+
+def _is_duration(value: object) -> bool:
+    return isinstance(value, (int, float)) and value >= 0
+
+
+def _takes_an_argument(function: Callable[..., object]) -> bool:
+    kinds = {parameter.kind for parameter in inspect.signature(function).parameters.values()}
+    return bool(kinds - {inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.VAR_KEYWORD})
 
 
 def _nothing() -> None:

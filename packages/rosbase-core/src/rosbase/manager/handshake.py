@@ -13,22 +13,35 @@ class Handshake:
     def __init__(self, logger: RosbaseLogger) -> None:
         self._logger = logger
         self._rules: list[tuple[str, Callable[[], object]]] = []
-        self._reported: set[str] = set()
+        self._reported: set[int] = set()
+        self.pending: list[str] = []
+        """The names of the rules that did not hold when they were last asked."""
 
     def add(self, name: str, predicate: Callable[[], object]) -> None:
-        """Adds a rule; the name is what a waiting user reads."""
+        """Adds a rule; the name is what a waiting user reads.
+
+        Raises:
+            TypeError: The predicate cannot be called.
+        """
+        if not callable(predicate):
+            raise TypeError(f"handshake rule '{name}' takes a function, not {predicate!r}")
         self._rules.append((name, predicate))
 
-    def pending(self) -> list[str]:
-        """The names of the rules that do not hold. One that raises does not, and is named once."""
-        return [name for name, predicate in self._rules if not self._holds(name, predicate)]
+    def ask(self) -> bool:
+        """Whether all rules hold. One that raises does not, and is named once."""
+        held = [self._holds(index) for index in range(len(self._rules))]
+        self.pending = [
+            name for (name, _), holds in zip(self._rules, held, strict=True) if not holds
+        ]
+        return not self.pending
 
-    def _holds(self, name: str, predicate: Callable[[], object]) -> bool:
+    def _holds(self, index: int) -> bool:
+        name, predicate = self._rules[index]
         try:
             return bool(predicate())
         except Exception as error:
-            if name not in self._reported:
-                self._reported.add(name)
+            if index not in self._reported:
+                self._reported.add(index)
                 self._logger.warning(
                     f"handshake rule '{name}' raised {type(error).__name__}: {error}"
                 )

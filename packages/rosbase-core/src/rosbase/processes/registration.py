@@ -127,7 +127,7 @@ def register_multiprocess_nodes(
 
 def shutdown_multiprocess_nodes(processes: ChildProcesses | None) -> None:
     """Stops the children: SIGINT, SIGTERM, SIGKILL, with bounded waits. Harmless when done."""
-    if processes:
+    if isinstance(processes, ChildProcesses):
         processes.shutdown()
 
 

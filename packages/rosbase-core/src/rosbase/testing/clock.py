@@ -8,6 +8,7 @@ from rosbase.messages import Time
 __all__ = ["ManualClock"]
 
 _NS_PER_S = 1_000_000_000
+_FOR_EVER = 5_000_000
 
 
 class ManualClock:
@@ -15,6 +16,10 @@ class ManualClock:
 
     What waits on this clock finds itself at the end of the wait at once. So a manager with its
     timers and its handlers runs as fast as the machine can, and the same way each time.
+
+    Where something never waits, such as two nodes that answer each other's every message, time
+    never goes on. After some millions of looks at the clock that is a RuntimeError; call
+    `advance` in one of the callbacks, as if it took its time.
     """
 
     def __init__(self, now_ns: int = 1_700_000_000_000_000_000) -> None:
@@ -23,6 +28,8 @@ class ManualClock:
         """The date at which the clock was started. Set it to step the date, as NTP may."""
         self.elapsed_ns = 0
         """How long it has been running."""
+        self._last_ns = 0
+        self._looks = 0
 
     def now(self) -> Time:
         """The date, for stamps."""
@@ -33,8 +40,21 @@ class ManualClock:
         return self.date_ns + self.elapsed_ns
 
     def monotonic_ns(self) -> int:
-        """Nanoseconds since the clock was started."""
-        return self.elapsed_ns
+        """Nanoseconds since the clock was started.
+
+        Raises:
+            RuntimeError: It has been asked for ever without going on.
+        """
+        now_ns = self.elapsed_ns
+        if now_ns != self._last_ns:
+            self._last_ns, self._looks = now_ns, 0
+        self._looks += 1
+        if self._looks > _FOR_EVER:
+            self._looks = 0
+            raise RuntimeError(
+                "virtual time stands still: do two callbacks keep calling each other?"
+            )
+        return now_ns
 
     def advance(self, seconds: float) -> None:
         """Turns the clock. In a callback, that is how long the callback takes.
