@@ -55,5 +55,11 @@ def _open_descriptors() -> dict[str, str]:
 
 
 def _children() -> list[str]:
-    lists = _CHILDREN.glob("*/children") if _CHILDREN.exists() else ()
-    return [child for listed in lists for child in listed.read_text().split()]
+    found = []
+    for listed in _CHILDREN.glob("*/children") if _CHILDREN.exists() else ():
+        try:
+            found += listed.read_text().split()
+        except OSError:
+            # The thread has ended meanwhile.
+            continue
+    return found
