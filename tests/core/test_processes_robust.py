@@ -1,7 +1,10 @@
 """What happens between a manager and its children when things go wrong in odd ways."""
 
 import os
+import signal
 import socket
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -11,6 +14,7 @@ import pytest
 
 from rosbase import RestartPolicy, register_multiprocess_nodes, shutdown_multiprocess_nodes
 from rosbase.logger import RosbaseLogger
+from rosbase.processes import guardian
 from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, Launched
 from rosbase.processes.supervisor import Supervisor
@@ -203,6 +207,25 @@ def test_a_long_command_line_and_the_programs_start_method_are_no_trouble(tmp_pa
         status, out, err = program.end()
         assert (status, out) == (0, "0\n"), err
         assert "node: argv 1000000 None" in err
+
+
+def test_a_command_that_is_stopped_while_it_starts_ends_at_the_first_signal() -> None:
+    ours, theirs = socket.socketpair()
+    # It will find this as soon as it has forked.
+    ours.send(b"s")
+    argv = [sys.executable, "-I", "-S", guardian.__file__, str(theirs.fileno()), str(os.getpid())]
+    with (
+        ours,
+        subprocess.Popen(
+            [*argv, "-1", "/bin/sh", "-c", "exec sleep 1000"],
+            pass_fds=[theirs.fileno()],
+            start_new_session=True,
+        ),
+    ):
+        theirs.close()
+        said = b"".join(iter(lambda: ours.recv(4096), b"")).decode().split()
+    assert said[0] == "started"
+    assert said[2:] == ["ended", said[1], str(-signal.SIGINT)]
 
 
 def test_a_hundred_children_come_and_go() -> None:

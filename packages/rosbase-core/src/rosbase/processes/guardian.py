@@ -49,7 +49,7 @@ class Guardian:
         for fd in (write_end, self._signals):
             os.set_blocking(fd, False)
         signal.set_wakeup_fd(write_end)
-        for number in (signal.SIGCHLD, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGCHLD, *_stops()):
             signal.signal(number, lambda *_: None)
         # Whatever the manager blocks, this process and its command do not.
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
@@ -145,8 +145,11 @@ class Guardian:
 
 def _start(argv: list[str], *, holds_signals: bool) -> int:
     guardian = os.getpid()
+    # Between the fork and the command one of these would find our handlers, and be lost.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _stops())
     pid = os.fork()
     if pid:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _stops())
         return pid
     try:
         os.setsid()
@@ -154,16 +157,19 @@ def _start(argv: list[str], *, holds_signals: bool) -> int:
         if os.getppid() != guardian:
             # Killed before it could be said that this one dies with it.
             os._exit(128 + signal.SIGKILL)
-        for number in (signal.SIGPIPE, signal.SIGXFSZ):
-            # Python ignores these two, and that would be inherited.
+        # Python ignores the last two, and that would be inherited.
+        for number in (*_stops(), signal.SIGPIPE, signal.SIGXFSZ):
             signal.signal(number, signal.SIG_DFL)
-        if holds_signals:
-            # Until it is ready for them; see node_main.
-            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+        # A node takes the others when it is ready for them; see node_main.
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGHUP} if holds_signals else _stops())
         os.execv(argv[0], argv)
     except BaseException as error:
         os.write(2, f"{argv[0]}: {error}\n".encode())
     os._exit(127)
+
+
+def _stops() -> set[int]:
+    return {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
 def _prctl(option: int, value: int) -> None:
