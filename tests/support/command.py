@@ -72,7 +72,10 @@ class RunningRosbase:
     def waits_for(self, part: str, *, where: Lines | None = None) -> None:
         """Returns when it has printed that, to stderr or to `where`."""
         lines = self.err if where is None else where
-        wait_until(lambda: part in lines, f"{part!r} in {lines.lines}")
+        try:
+            wait_until(lambda: part in lines, repr(part))
+        except AssertionError as error:
+            raise AssertionError(f"{error}, not only {lines.lines}") from None
 
     def end(self, signum: int | None = None) -> int:
         """Sends the signal, if there is one, and gives the exit status."""
