@@ -24,7 +24,7 @@ from rosbase.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header
 
-TURNS = 7
+TURNS = 11
 CPU_HZ, CPU_TICKS = 200, 500
 PERIOD_HZ, PERIOD_TICKS = 1000, 2000
 MESSAGES = 50_000
