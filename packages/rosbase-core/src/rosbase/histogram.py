@@ -1,5 +1,7 @@
 """Percentiles of any number of durations in a few kilobytes."""
 
+from collections.abc import Sequence
+
 __all__ = ["Histogram"]
 
 # 32 steps to each doubling: a percentile is at most 1/32 off.
@@ -23,18 +25,22 @@ class Histogram:
 
     def record(self, value: int) -> None:
         """Counts one value; a negative one counts as 0."""
-        if value < _STEPS:
-            index = value if value > 0 else 0
-        else:
-            shift = value.bit_length() - _STEP_BITS - 1
-            # The leading bit and the five below it: (value >> shift) is 32 to 63.
-            index = (shift << _STEP_BITS) + (value >> shift)
-        try:
-            self._counts[index] += 1
-        except IndexError:
-            self._counts[-1] += 1
-        self.count += 1
-        self.maximum = max(self.maximum, value)
+        self.record_all((value,))
+
+    def record_all(self, values: Sequence[int]) -> None:
+        """Counts several, at about half the cost of one by one."""
+        counts = self._counts
+        last = len(counts) - 1
+        for value in values:
+            if value < _STEPS:
+                index = value if value > 0 else 0
+            else:
+                shift = value.bit_length() - _STEP_BITS - 1
+                # The leading bit and the five below it: (value >> shift) is 32 to 63.
+                index = (shift << _STEP_BITS) + (value >> shift)
+            counts[index if index < last else last] += 1
+        self.count += len(values)
+        self.maximum = max(self.maximum, max(values, default=0))
 
     def percentile(self, percent: float) -> int:
         """The value that `percent` of those recorded do not exceed, to within 1/32; 0 if none."""

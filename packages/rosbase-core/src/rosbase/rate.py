@@ -2,6 +2,7 @@
 
 import threading
 from fractions import Fraction
+from operator import sub
 
 from rosbase.histogram import Histogram
 
@@ -130,10 +131,13 @@ class LoopStats:
         with self._lock:
             # A start whose end is yet to come stays, as does what is appended meanwhile.
             notes = self.notes[: len(self.notes) // 2 * 2]
-            for start_ns, end_ns in zip(notes[::2], notes[1::2], strict=True):
-                if self._last_start_ns is not None:
-                    self._period.record(start_ns - self._last_start_ns)
-                self._last_start_ns = start_ns
-                self._busy.record(end_ns - start_ns)
+            if not notes:
+                return
+            starts, ends = notes[::2], notes[1::2]
+            self._busy.record_all(list(map(sub, ends, starts)))
+            known = starts if self._last_start_ns is None else [self._last_start_ns, *starts]
+            self._last_start_ns = starts[-1]
+            if len(known) > 1:
+                self._period.record_all(list(map(sub, known[1:], known)))
             self._digested += len(notes) // 2
             del self.notes[: len(notes)]
