@@ -320,3 +320,39 @@ def test_the_frequency_is_logged_only_if_asked_for(caplog: pytest.LogCaptureFixt
     caplog.set_level("INFO", logger="rosbase")
     run(node_freq_hz=1)
     assert caplog.messages == []
+
+
+@pytest.mark.parametrize("frequency_hz", [0.5, 5, 200])
+def test_a_step_of_the_system_clock_is_logged_once_and_changes_no_tick(
+    caplog: pytest.LogCaptureFixture, frequency_hz: float
+) -> None:
+    clock = ManualClock()
+    began: list[float] = []
+
+    class Handlers(StopAfter):
+        ticks = int(10 * frequency_hz)
+
+        def handle(self) -> None:
+            if self.timestamp == self.ticks // 2:
+                clock.date_ns -= 3_600_000_000_000
+            began.append(clock.elapsed_ns / 1e9)
+            super().handle()
+
+    run(handlers_class=Handlers, node_freq_hz=frequency_hz, backend=virtual_backend(clock))
+    assert caplog.messages == ["the system clock was set back by 3600.0 s"]
+    assert began == pytest.approx([n / frequency_hz for n in range(Handlers.ticks)])
+
+
+def test_an_overriding_main_loop_has_its_frequency_logged_too(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level("INFO", logger="rosbase")
+
+    class App(BaseManager):
+        def main_loop(self) -> None:
+            self.update_timestamp()
+            if self.timestamp == 10:
+                self.request_stop()
+
+    run(App, node_freq_hz=4, log_freq=True)
+    assert set(caplog.messages) == {"main loop: 4.0 Hz"}

@@ -157,7 +157,7 @@ class Backend(ABC):
             Whether there was one. What it raises is raised here.
         """
 
-    def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
+    def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
         """Handles callbacks as they come, until the deadline on the monotonic clock.
 
         What is ready at the start is handled even if the deadline has passed, so that a

@@ -50,6 +50,22 @@ class LocalTimer:
 class Executor:
     """A queue of calls and a heap of timers; one thread runs both."""
 
+    __slots__ = (
+        "_compact_at",
+        "_is_alone",
+        "_monotonic_ns",
+        "_nap",
+        "_owes_a_call",
+        "_ready",
+        "_serials",
+        "_sleeping",
+        "_timer_lock",
+        "_timers",
+        "_wait",
+        "_wakeup",
+        "clock",
+    )
+
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
         self._monotonic_ns = clock.monotonic_ns
@@ -106,22 +122,22 @@ class Executor:
                 return True
         return False
 
-    def spin_until(self, deadline_ns: int, stopping: Callable[[], bool]) -> None:
+    def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
         """Runs calls until the deadline; those that are ready now, even if it has passed."""
-        ready, timers, monotonic_ns = self._ready, self._timers, self._monotonic_ns
-        if self._is_alone and not ready and (not timers or timers[0][0] >= deadline_ns):
+        ready = self._ready
+        if self._is_alone and not ready and (not self._timers or self._timers[0][0] >= deadline_ns):
             # The usual tick of a simple program, in as few steps as can be: after a sleep the
             # processor is cold, and every line costs a good part of a microsecond.
-            left_ns = deadline_ns - monotonic_ns()
+            left_ns = deadline_ns - self._monotonic_ns()
             if left_ns < _NAP_NS:
                 if left_ns > 0:
-                    self._sleeping = True
+                    # Not noted in `_sleeping`: nobody could end it anyway.
                     self._nap(left_ns / _NS_PER_S)
-                    self._sleeping = False
                 if not ready:
                     return
                 # Another thread, or a signal handler, has called.
                 self._is_alone = False
+        monotonic_ns = self._monotonic_ns
         # What is due now has its turn, also in a loop that is always late; what becomes due
         # meanwhile waits until after the next tick.
         now_ns = monotonic_ns()

@@ -126,7 +126,9 @@ class BaseManager:
         self._handshake_timeout_s = handshake_timeout
         self._log_freq = log_freq
         self._frequency_mark: tuple[int, int] | None = None
-        self._stop_requested = False
+        self._stop_requests: list[bool] = []
+        # Asked twice in each tick, so it is not a function in Python.
+        self._is_stopping = self._stop_requests.__len__
         self._has_started = False
         # Whether there is anything in `get_state_switch` or `state_handle`; known at the start.
         self._may_switch = True
@@ -165,8 +167,6 @@ class BaseManager:
         if self.handlers is not None:
             self.handlers.handle()
         self.update_timestamp()
-        if self._log_freq:
-            self._report_frequency()
 
     def update_timestamp(self) -> None:
         """Called at the end of each tick: one more."""
@@ -183,7 +183,7 @@ class BaseManager:
 
     def request_stop(self) -> None:
         """Ends the main loop after the present tick. From any thread, and signal handlers."""
-        self._stop_requested = True
+        self._stop_requests.append(True)
         self.backend.call_soon(_nothing)
 
     def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
@@ -209,14 +209,15 @@ class BaseManager:
                 self._claim(processes)
                 self._wait_for_handshake()
                 bring_up(self._lifecycle_nodes(), self._is_stopping)
-                with ClockWatch(self.backend, self.logger):
-                    run_main_loop(
-                        self.backend,
-                        self.node_freq_hz,
-                        self.main_loop,
-                        self._is_stopping,
-                        self.loop_stats,
-                    )
+                self._clock_watch = ClockWatch(self.backend.clock, self.logger)
+                run_main_loop(
+                    self.backend,
+                    self.node_freq_hz,
+                    self.main_loop,
+                    self._is_stopping,
+                    self.loop_stats,
+                    self._look_after,
+                )
             except BaseException:
                 self._shut_down(processes)
                 raise
@@ -258,16 +259,13 @@ class BaseManager:
         else:
             self.state_handle()
 
-    def _is_stopping(self) -> bool:
-        return self._stop_requested
-
     def _lifecycle_nodes(self) -> list[LifecycleNode]:
         return [node for node in self.nodes.values() if isinstance(node, LifecycleNode)]
 
     def _wait_for_handshake(self) -> None:
         clock = self.backend.clock
         start_ns = clock.monotonic_ns()
-        while not self._stop_requested and self.handshake() is False:
+        while not self._stop_requests and self.handshake() is False:
             pending = ", ".join(self._handshake.pending) or "the manager's own handshake"
             waited_s = (clock.monotonic_ns() - start_ns) / 1e9
             if self._handshake_timeout_s is not None and waited_s >= self._handshake_timeout_s:
@@ -275,6 +273,12 @@ class BaseManager:
             if waited_s >= _FIRST_REPORT_S:
                 self.logger.log_throttle(f"waiting for: {pending}", _PENDING_REPORT_S)
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
+
+    def _look_after(self) -> None:
+        self.loop_stats.digest()
+        self._clock_watch.check()
+        if self._log_freq:
+            self._report_frequency()
 
     def _report_frequency(self) -> None:
         now_ns, ticks = self.backend.clock.monotonic_ns(), self.loop_stats.ticks

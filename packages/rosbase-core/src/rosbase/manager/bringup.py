@@ -7,7 +7,7 @@ from rosbase.lifecycle_node import LifecycleNode
 __all__ = ["bring_up", "take_down"]
 
 
-def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], bool]) -> bool:
+def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> bool:
     """Brings each node as far as its `autostart` says.
 
     If one does not get there, it and those before it are taken back to unconfigured, in

@@ -12,13 +12,19 @@ def run_main_loop(
     backend: Backend,
     frequency_hz: float,
     tick: Callable[[], object],
-    stopping: Callable[[], bool],
+    stopping: Callable[[], object],
     stats: LoopStats,
+    look_after: Callable[[], object],
 ) -> None:
-    """Runs ticks until `stopping`; whatever a tick or a callback raises ends the loop."""
+    """Runs ticks until `stopping`; whatever a tick or a callback raises ends the loop.
+
+    `look_after` is called between ticks, at least once a second if there are ticks; it
+    digests the notes of `stats`.
+    """
     monotonic_ns, spin_until, notes = backend.clock.monotonic_ns, backend.spin_until, stats.notes
     rate = Rate(frequency_hz, monotonic_ns())
     deadline_ns, period_ns = rate.deadline_ns, rate.whole_period_ns
+    many_notes = min(LoopStats.MANY_NOTES, 2 * max(1, int(frequency_hz / 2)))
     while True:
         spin_until(deadline_ns, stopping)
         if stopping():
@@ -36,5 +42,5 @@ def run_main_loop(
             rate.deadline_ns = deadline_ns
             deadline_ns = rate.advance(end_ns)
             stats.overruns = rate.skipped
-        if len(notes) >= LoopStats.MANY_NOTES:
-            stats.digest()
+        if len(notes) >= many_notes:
+            look_after()
