@@ -208,7 +208,7 @@ def test_records_are_bounded_while_the_other_side_is_slow() -> None:
     there: Connection[Any, Any] = Connection(ends[1].detach())
     for number in range(5000):
         here.link.send_record(20, f"{number} {'x' * 500}")
-    assert len(here.link._executor._ready) <= 1001
+    assert len(here.link._executor.ready) <= 1001
     thread = threading.Thread(target=here.link.close)
     thread.start()
     texts: list[str] = []

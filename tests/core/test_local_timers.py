@@ -155,7 +155,7 @@ class TrapClock(ManualClock):
         self.spring: Callable[[], object] | None = None
 
     def monotonic_ns(self) -> int:
-        if self.spring is not None and not self.backend._executor._sleeping:
+        if self.spring is not None and not self.backend.executor._sleeping:
             self.reads_left -= 1
             if self.reads_left < 0:
                 spring, self.spring = self.spring, None
@@ -190,7 +190,7 @@ def test_a_timer_set_while_the_spinner_falls_asleep_is_not_slept_over() -> None:
 def test_a_call_made_while_the_spinner_falls_asleep_is_not_slept_over(
     backend: LocalBackend, clock: ManualClock
 ) -> None:
-    executor = backend._executor
+    executor = backend.executor
     late_ns: list[int] = []
 
     class Trap(deque[Callable[[], object]]):
@@ -206,7 +206,7 @@ def test_a_call_made_while_the_spinner_falls_asleep_is_not_slept_over(
                 executor.call_soon(lambda: late_ns.append(clock.elapsed_ns - due_ns))
             return found
 
-    executor._ready = trap = Trap()
+    executor.ready = trap = Trap()
     for looks in range(6):
         trap.looks_left = looks
         backend.spin_until(clock.elapsed_ns + 100_000_000, never)
@@ -231,7 +231,7 @@ def test_a_watchdog_reset_by_every_message_does_not_grow(backend: LocalBackend) 
     watchdog = backend.create_timer(60.0, print)
     for _ in range(10_000):
         watchdog.reset()
-    assert len(backend._executor._timers) <= 65
+    assert len(backend.executor.timers) <= 65
 
 
 def test_stopping_ends_the_spin(backend: LocalBackend) -> None:

@@ -6,8 +6,11 @@ from itertools import groupby
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosbase import BaseAgent, BaseHandlers, BaseManager, BaseNode
+from rosbase.rate import Rate
 from rosbase.testing import ManualClock, virtual_backend
 from support.roles import StopAfter
 
@@ -356,3 +359,35 @@ def test_an_overriding_main_loop_has_its_frequency_logged_too(
 
     run(App, node_freq_hz=4, log_freq=True)
     assert set(caplog.messages) == {"main loop: 4.0 Hz"}
+
+
+@given(
+    st.lists(st.integers(0, 60_000_000), min_size=1, max_size=40),
+    st.sampled_from([10.0, 30.0, 200.0, 333.3, 1000.0]),
+)
+def test_ticks_begin_when_the_rate_says_and_count_what_it_skips(
+    durations_ns: list[int], frequency_hz: float
+) -> None:
+    clock = ManualClock()
+    began_ns: list[int] = []
+
+    class Handlers(StopAfter):
+        ticks = len(durations_ns)
+
+        def handle(self) -> None:
+            began_ns.append(clock.elapsed_ns)
+            clock.elapsed_ns += durations_ns[self.timestamp]
+            super().handle()
+
+    manager = run(
+        handlers_class=Handlers, node_freq_hz=frequency_hz, backend=virtual_backend(clock)
+    )
+    rate, now_ns, expected_ns = Rate(frequency_hz, 0), 0, []
+    for duration_ns in durations_ns:
+        now_ns = max(now_ns, rate.deadline_ns)
+        expected_ns.append(now_ns)
+        now_ns += duration_ns
+        rate.advance(now_ns)
+    assert began_ns == expected_ns
+    assert manager.loop_stats.overruns == rate.skipped
+    assert manager.loop_stats.ticks == len(durations_ns)

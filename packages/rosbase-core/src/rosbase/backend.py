@@ -1,13 +1,14 @@
 """The backend contract: what connects a manager or a lone node to the world.
 
-Must implement: every abstract method. May implement: `spin_until`, where the backend has
-a faster way. Never override: nothing else is called.
+Must implement: every abstract method. May implement: `create_timer` and `destroy_timer`, where
+the world has a time of its own. Never override: the rest, which is the executor's.
 
-Threads: one thread spins, and every callback runs on it. `publish`, `call_soon` and the
-destroying of what was created may be called from any thread; `call_soon` from a signal
-handler too, so it must not wait for a lock.
+Threads: one thread spins the executor, and every callback runs on it. What arrives on threads
+of the backend's own is handed over with `call_soon`. `publish`, `call_soon` and the destroying
+of what was created may be called from any thread; `call_soon` from a signal handler too.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeVar
@@ -15,6 +16,7 @@ from typing import Any, Protocol, TypeVar
 from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
+from rosbase.executor import Executor, ExecutorTimer
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
@@ -84,10 +86,19 @@ class BackendOptions:
 class Backend(ABC):
     """A connection to the world, for one manager or one lone node."""
 
-    @property
-    @abstractmethod
-    def clock(self) -> Clock:
+    def __init__(self, clock: Clock) -> None:
+        """Starts with an executor that nobody spins yet."""
+        self.clock = clock
         """The clock for stamps, timers and deadlines."""
+        self.executor = Executor(clock)
+        """What runs callbacks, on the thread that spins it."""
+        self.call_soon = self.executor.call_soon
+        """Has the spinning thread call a function. From any thread, and from signal handlers."""
+        self.spin_once = self.executor.spin_once
+        """Handles one callback, waiting for one so many seconds; tells whether there was one.
+        What it raises is raised here."""
+        self.spin_until = self.executor.spin_until
+        """Handles callbacks as they come, until a deadline on the monotonic clock."""
 
     @abstractmethod
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
@@ -110,24 +121,12 @@ class Backend(ABC):
         """
 
     @abstractmethod
-    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """A timer with absolute deadlines; calls that were missed are skipped, not caught up.
-
-        Raises:
-            ValueError: The period is not a positive, finite number of seconds.
-        """
-
-    @abstractmethod
     def destroy_publisher(self, publisher: Publisher) -> None:
         """Ends a publisher of this backend; harmless when it has ended."""
 
     @abstractmethod
     def destroy_subscription(self, subscription: Subscription) -> None:
         """Ends a subscription: its callback is not called again. Harmless when it has ended."""
-
-    @abstractmethod
-    def destroy_timer(self, timer: Timer) -> None:
-        """Ends a timer; harmless when it has ended."""
 
     @abstractmethod
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
@@ -146,34 +145,25 @@ class Backend(ABC):
         """
 
     @abstractmethod
-    def call_soon(self, function: Callable[[], object]) -> None:
-        """Has the spinning thread call `function`. From any thread, and from signal handlers."""
-
-    @abstractmethod
-    def spin_once(self, timeout_s: float) -> bool:
-        """Handles one callback, waiting for one as long as `timeout_s`.
-
-        Returns:
-            Whether there was one. What it raises is raised here.
-        """
-
-    def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
-        """Handles callbacks as they come, until the deadline on the monotonic clock.
-
-        What is ready at the start is handled even if the deadline has passed, so that a
-        loop which is always late does not starve them.
-
-        Args:
-            deadline_ns: When to return.
-            stopping: Asked after each callback; true means return now.
-        """
-        self.spin_once(0.0)
-        while not stopping():
-            left_ns = deadline_ns - self.clock.monotonic_ns()
-            if left_ns <= 0:
-                return
-            self.spin_once(left_ns / 1e9)
-
-    @abstractmethod
     def close(self) -> None:
         """Ends everything that was created. Idempotent; nothing is called back afterwards."""
+
+    # May implement.
+
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """A timer with absolute deadlines; calls that were missed are skipped, not caught up.
+
+        The first call is one period from now.
+
+        Raises:
+            ValueError: The period is not a positive, finite number of seconds.
+            BackendError: The backend is closed.
+        """
+        if not (math.isfinite(period_s) and period_s > 0):
+            raise ValueError(f"a timer's period is a positive number of seconds, not {period_s!r}")
+        return self.executor.create_timer(max(1, int(period_s * 1e9)), callback)
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Ends a timer of this backend; harmless when it has ended."""
+        if isinstance(timer, ExecutorTimer):
+            timer.destroy()

@@ -94,8 +94,9 @@ class LoopStats:
 
     __slots__ = ("_busy", "_digested", "_last_start_ns", "_lock", "_period", "notes", "overruns")
 
-    MANY_NOTES = 128
-    """So many notes are to be digested."""
+    MANY_TICKS = 500
+    """The notes of so many ticks are to be digested. Fewer would cost more each, for it is
+    then that the processor is warm; more would take a good part of a millisecond."""
 
     def __init__(self) -> None:
         self.overruns = 0
@@ -125,6 +126,11 @@ class LoopStats:
         """Nanoseconds spent in a tick."""
         self.digest()
         return self._busy
+
+    def digest_if_many(self) -> None:
+        """Makes percentiles of the notes once there are many."""
+        if len(self.notes) >= 2 * self.MANY_TICKS:
+            self.digest()
 
     def digest(self) -> None:
         """Makes percentiles of the notes."""

@@ -1,14 +1,11 @@
 """The `local` backend: topics, timers and parameters within one process."""
 
-import math
 from collections.abc import Callable
 from typing import TypeVar
 
-from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
-from rosbase.clock import Clock
+from rosbase.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.errors import BackendError, ParameterError
 from rosbase.local.bus import Bus, LocalPublisher, LocalSubscription, process_bus
-from rosbase.local.executor import Executor, LocalTimer
 from rosbase.local.names import resolve_topic
 from rosbase.parameters import Parameter, ParameterSpec, check_value
 
@@ -22,21 +19,13 @@ class LocalBackend(Backend):
 
     def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
         """Opens it on the bus of this process, or on one of the caller's own."""
+        super().__init__(options.clock)
         self._options = options
         self._bus = bus or process_bus()
-        self._executor = Executor(options.clock)
         self._parameters: dict[str, Parameter] = {}
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
-        self._timers: list[LocalTimer] = []
         self._closed = False
-        # One call less in each tick of the main loop.
-        self.spin_until = self._executor.spin_until  # type: ignore[method-assign]
-
-    @property
-    def clock(self) -> Clock:
-        """The clock that the backend was opened with."""
-        return self._options.clock
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
         """A publisher; the depth matters to subscriptions only."""
@@ -50,20 +39,10 @@ class LocalBackend(Backend):
     ) -> Subscription:
         """A subscription that keeps the last `qos` messages."""
         name = self._check(topic, qos)
-        subscription = LocalSubscription(name, callback, qos, self._executor.call_soon)
+        subscription = LocalSubscription(name, callback, qos, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
         self._subscriptions.append(subscription)
         return subscription
-
-    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """A timer; the first call is one period from now."""
-        self._check_open()
-        if not (math.isfinite(period_s) and period_s > 0):
-            raise ValueError(f"a timer's period is a positive number of seconds, not {period_s!r}")
-        timer = LocalTimer(self._executor, max(1, int(period_s * 1e9)), callback)
-        timer.reset()
-        self._timers.append(timer)
-        return timer
 
     def destroy_publisher(self, publisher: Publisher) -> None:
         """Ends a publisher."""
@@ -76,12 +55,6 @@ class LocalBackend(Backend):
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             self._bus.remove_subscription(subscription)
-
-    def destroy_timer(self, timer: Timer) -> None:
-        """Ends a timer."""
-        if timer in self._timers:
-            self._timers.remove(timer)
-            self._executor.cancel_timer(timer, destroy=True)
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
         """Makes a parameter known, with its override if there is one."""
@@ -99,14 +72,6 @@ class LocalBackend(Backend):
         except KeyError:
             raise ParameterError(f"parameter {name} has not been declared") from None
 
-    def call_soon(self, function: Callable[[], object]) -> None:
-        """Has the spinning thread call `function`."""
-        self._executor.call_soon(function)
-
-    def spin_once(self, timeout_s: float) -> bool:
-        """Handles one callback, waiting for one as long as `timeout_s`."""
-        return self._executor.spin_once(timeout_s)
-
     def close(self) -> None:
         """Ends everything that was created."""
         self._closed = True
@@ -114,16 +79,11 @@ class LocalBackend(Backend):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):
             self.destroy_subscription(subscription)
-        for timer in list(self._timers):
-            self.destroy_timer(timer)
-        self._executor.clear()
+        self.executor.close()
 
     def _check(self, topic: str, qos: int) -> str:
-        self._check_open()
+        if self._closed:
+            raise BackendError("the backend is closed")
         if not isinstance(qos, int) or isinstance(qos, bool) or qos < 1:
             raise BackendError(f"the depth of {topic!r} is a whole number from 1 up, not {qos!r}")
         return resolve_topic(topic, self._options.node_name)
-
-    def _check_open(self) -> None:
-        if self._closed:
-            raise BackendError("the backend is closed")

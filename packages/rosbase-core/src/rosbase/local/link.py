@@ -14,8 +14,8 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from rosbase.clock import SystemClock
+from rosbase.executor import Executor
 from rosbase.local.bus import Bus, LocalSubscription
-from rosbase.local.executor import Executor
 from rosbase.logger import RosbaseLogger
 
 __all__ = ["Link"]

@@ -7,18 +7,16 @@ from collections.abc import Callable
 from itertools import count
 
 from rosbase.clock import Clock
+from rosbase.errors import BackendError
 
-__all__ = ["Executor", "LocalTimer"]
+__all__ = ["Executor", "ExecutorTimer"]
 
 _NS_PER_S = 1_000_000_000
 _FEW_ENTRIES = 64
 _LONGEST_S = 1e6
-# A sleep that nobody can end costs a tenth less than one that others can. So short ones are
-# of that kind until another thread calls; its first call may come this much late.
-_NAP_NS = 10_000_000
 
 
-class LocalTimer:
+class ExecutorTimer:
     """A timer with absolute deadlines. Periods that were missed are skipped."""
 
     __slots__ = ("_executor", "callback", "is_destroyed", "period_ns", "serial")
@@ -46,33 +44,38 @@ class LocalTimer:
         """Whether it is stopped."""
         return self.serial is None
 
+    def destroy(self) -> None:
+        """Stops it for good."""
+        self._executor.cancel_timer(self, destroy=True)
+
 
 class Executor:
     """A queue of calls and a heap of timers; one thread runs both."""
 
     __slots__ = (
+        "_closed",
         "_compact_at",
-        "_is_alone",
         "_monotonic_ns",
-        "_nap",
         "_owes_a_call",
-        "_ready",
         "_serials",
         "_sleeping",
         "_timer_lock",
-        "_timers",
         "_wait",
         "_wakeup",
         "clock",
+        "ready",
+        "timers",
     )
 
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
         self._monotonic_ns = clock.monotonic_ns
-        self._ready: deque[Callable[[], object]] = deque()
+        self.ready: deque[Callable[[], object]] = deque()
+        """The calls that wait. For others to look whether there is one."""
         # The heap and the serials of its timers; `call_soon` does without this lock.
         self._timer_lock = threading.Lock()
-        self._timers: list[tuple[int, int, LocalTimer]] = []
+        self.timers: list[tuple[int, int, ExecutorTimer]] = []
+        """A heap by deadline, with entries that do not count any more. For others to look at."""
         self._serials = count(1)
         self._compact_at = _FEW_ENTRIES
         self._owes_a_call = False
@@ -81,13 +84,11 @@ class Executor:
         self._wakeup.acquire()
         self._wait = clock.waiter(self._wakeup)
         self._sleeping = False
-        self._nap = clock.sleep
-        # No other thread has called while this one slept in a way that nobody can end.
-        self._is_alone = True
+        self._closed = False
 
     def call_soon(self, function: Callable[[], object]) -> None:
         """Queues a call. Takes no lock, so that a signal handler may do it too."""
-        self._ready.append(function)
+        self.ready.append(function)
         if self._sleeping:
             try:
                 self._wakeup.release()
@@ -95,17 +96,29 @@ class Executor:
                 # Somebody else has just done it.
                 pass
 
-    def start_timer(self, timer: LocalTimer) -> None:
+    def create_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
+        """A timer that runs; the first call is one period from now.
+
+        Raises:
+            BackendError: The executor is closed.
+        """
+        if self._closed:
+            raise BackendError("the backend is closed")
+        timer = ExecutorTimer(self, period_ns, callback)
+        timer.reset()
+        return timer
+
+    def start_timer(self, timer: ExecutorTimer) -> None:
         """Has the timer fire one period from now, and again after each period."""
         deadline_ns = self._monotonic_ns() + timer.period_ns
         with self._timer_lock:
-            if timer.is_destroyed:
+            if timer.is_destroyed or self._closed:
                 return
             self._push(deadline_ns, timer)
         if self._sleeping:
             self.call_soon(_nothing)
 
-    def cancel_timer(self, timer: LocalTimer, *, destroy: bool = False) -> None:
+    def cancel_timer(self, timer: ExecutorTimer, *, destroy: bool = False) -> None:
         """Has the timer not fire any more; with `destroy`, whoever resets it."""
         with self._timer_lock:
             timer.serial = None
@@ -124,89 +137,78 @@ class Executor:
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
         """Runs calls until the deadline; those that are ready now, even if it has passed."""
-        ready = self._ready
-        if self._is_alone and not ready and (not self._timers or self._timers[0][0] >= deadline_ns):
-            # The usual tick of a simple program, in as few steps as can be: after a sleep the
-            # processor is cold, and every line costs a good part of a microsecond.
-            left_ns = deadline_ns - self._monotonic_ns()
-            if left_ns < _NAP_NS:
-                if left_ns > 0:
-                    # Not noted in `_sleeping`: nobody could end it anyway.
-                    self._nap(left_ns / _NS_PER_S)
-                if not ready:
-                    return
-                # Another thread, or a signal handler, has called.
-                self._is_alone = False
-        monotonic_ns = self._monotonic_ns
+        monotonic_ns, ready = self._monotonic_ns, self.ready
         # What is due now has its turn, also in a loop that is always late; what becomes due
         # meanwhile waits until after the next tick.
         now_ns = monotonic_ns()
-        for _ in range(len(ready) + sum(entry[0] <= now_ns for entry in self._timers)):
+        for _ in range(len(ready) + sum(entry[0] <= now_ns for entry in self.timers)):
             if stopping():
                 return
             if not self._run_one(now_ns):
                 break
         while (left_ns := deadline_ns - monotonic_ns()) > 0:
-            if (ready or self._timers) and self._run_one(monotonic_ns()):
+            if (ready or self.timers) and self._run_one(monotonic_ns()):
                 if stopping():
                     return
             else:
                 self._sleep(left_ns)
 
-    def clear(self) -> None:
-        """Drops everything that waits to be run."""
-        self._ready.clear()
+    def close(self) -> None:
+        """Drops everything that waits to be run; timers do not start again."""
+        self.ready.clear()
         with self._timer_lock:
-            # Not emptied: the spinning thread may be looking at it.
-            self._timers = []
+            self._closed = True
+            for _, _, timer in self.timers:
+                timer.serial = None
 
     def _run_one(self, due_ns: int) -> bool:
         """Runs a call, or a timer that was due by then; tells whether there was one."""
         # A timer and a call take turns, so that neither a flood of messages nor a timer that
         # is always late starves the other.
-        if self._ready and self._owes_a_call:
+        if self.ready and self._owes_a_call:
             self._owes_a_call = False
-            self._ready.popleft()()
+            self.ready.popleft()()
             return True
-        timer = self._take_due_timer(due_ns) if self._timers else None
+        timer = self._take_due_timer(due_ns) if self.timers else None
         if timer is not None:
             self._owes_a_call = True
             timer.callback()
             return True
-        if self._ready:
-            self._ready.popleft()()
+        if self.ready:
+            self.ready.popleft()()
             return True
         return False
 
-    def _take_due_timer(self, due_ns: int) -> LocalTimer | None:
+    def _take_due_timer(self, due_ns: int) -> ExecutorTimer | None:
         """The first timer that was due by then, set to its next deadline from now."""
         now_ns = self._monotonic_ns()
         with self._timer_lock:
-            while self._timers and self._timers[0][0] <= due_ns:
-                deadline_ns, serial, timer = heapq.heappop(self._timers)
+            while self.timers and self.timers[0][0] <= due_ns:
+                deadline_ns, serial, timer = heapq.heappop(self.timers)
                 if serial == timer.serial:
                     periods = 1 + (now_ns - deadline_ns) // timer.period_ns
                     self._push(deadline_ns + periods * timer.period_ns, timer)
                     return timer
         return None
 
-    def _push(self, deadline_ns: int, timer: LocalTimer) -> None:
+    def _push(self, deadline_ns: int, timer: ExecutorTimer) -> None:
         timer.serial = next(self._serials)
-        heapq.heappush(self._timers, (deadline_ns, timer.serial, timer))
-        if len(self._timers) > self._compact_at:
+        heapq.heappush(self.timers, (deadline_ns, timer.serial, timer))
+        if len(self.timers) > self._compact_at:
             # A watchdog that is reset by every message leaves an entry behind each time.
-            self._timers = [entry for entry in self._timers if entry[1] == entry[2].serial]
-            heapq.heapify(self._timers)
-            self._compact_at = max(_FEW_ENTRIES, 2 * len(self._timers))
+            # In place, and never to nothing: the main loop may be looking at it.
+            self.timers[:] = [entry for entry in self.timers if entry[1] == entry[2].serial]
+            heapq.heapify(self.timers)
+            self._compact_at = max(_FEW_ENTRIES, 2 * len(self.timers))
 
     def _sleep(self, limit_ns: int) -> None:
         self._sleeping = True
         # Looked at only now: whoever came before this line did not see us sleep.
-        if self._timers:
+        if self.timers:
             with self._timer_lock:
-                if self._timers:
-                    limit_ns = min(limit_ns, self._timers[0][0] - self._monotonic_ns())
-        if not self._ready and limit_ns > 0:
+                if self.timers:
+                    limit_ns = min(limit_ns, self.timers[0][0] - self._monotonic_ns())
+        if not self.ready and limit_ns > 0:
             self._wait(limit_ns / _NS_PER_S)
         self._sleeping = False
 
