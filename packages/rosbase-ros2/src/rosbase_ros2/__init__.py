@@ -1,0 +1,1 @@
+"""rosbase on ROS 2: the backend `ros2`, on rclpy."""
