@@ -4,14 +4,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase import messages
-from rosbase.messages import COVARIANCE_NOT_REPORTED, Imu, MagneticField, Quaternion, Time
+from rosbase.messages import (
+    COVARIANCE_NOT_REPORTED,
+    DiagnosticStatus,
+    Imu,
+    MagneticField,
+    Quaternion,
+    Time,
+)
 
-# From common_interfaces (jazzy): msg/*.msg of std_msgs, geometry_msgs and sensor_msgs.
+# From common_interfaces (jazzy): msg/*.msg of std_msgs, geometry_msgs, sensor_msgs
+# and diagnostic_msgs.
 FIELDS = {
     "Bool": "data",
+    "DiagnosticArray": "header status",
+    "DiagnosticStatus": "level name message hardware_id values",
     "Header": "stamp frame_id",
     "JointState": "header name position velocity effort",
     "Joy": "header axes buttons",
+    "KeyValue": "key value",
     "Point": "x y z",
     "PointStamped": "header point",
     "Pose": "position orientation",
@@ -41,6 +52,12 @@ def test_a_message_has_the_fields_of_ros_in_their_order(name: str) -> None:
     kind = getattr(messages, name)
     assert [field.name for field in attrs.fields(kind)] == FIELDS[name].split()
     assert kind() == kind()
+
+
+def test_the_levels_of_a_diagnostic_status_are_those_of_ros() -> None:
+    status = DiagnosticStatus()
+    assert [status.OK, status.WARN, status.ERROR, status.STALE] == [0, 1, 2, 3]
+    assert status.level == status.OK
 
 
 @pytest.mark.parametrize("message", [Imu(), MagneticField()])

@@ -8,6 +8,26 @@ from hypothesis import strategies as st
 
 from rosbase.fsm import ANY
 from rosbase.lifecycle import TRANSITIONS, CallbackReturn
+from rosbase.messages import (
+    Bool,
+    DiagnosticArray,
+    DiagnosticStatus,
+    Header,
+    Imu,
+    JointState,
+    Joy,
+    KeyValue,
+    MagneticField,
+    Point,
+    PointStamped,
+    Pose,
+    PoseStamped,
+    Quaternion,
+    String,
+    Time,
+    Twist,
+    Vector3,
+)
 
 answers = st.sampled_from(CallbackReturn)
 
@@ -122,3 +142,50 @@ fsm_happenings = st.lists(
     ),
     max_size=30,
 )
+
+# Messages with whatever ROS can send: every number that its field holds, NaN included, and
+# every text without NUL.
+texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=20)
+int32s = st.integers(-(2**31), 2**31 - 1)
+covariances = st.tuples(*[st.floats()] * 9)
+
+
+def tuples(elements: st.SearchStrategy[object]) -> st.SearchStrategy[tuple[object, ...]]:
+    """Short tuples of any length."""
+    return st.lists(elements, max_size=4).map(tuple)
+
+
+times = st.builds(Time, int32s, st.integers(0, 2**32 - 1))
+headers = st.builds(Header, times, texts)
+vector3s = st.builds(Vector3, *[st.floats()] * 3)
+quaternions = st.builds(Quaternion, *[st.floats()] * 4)
+points = st.builds(Point, *[st.floats()] * 3)
+poses = st.builds(Pose, points, quaternions)
+key_values = st.builds(KeyValue, texts, texts)
+statuses = st.builds(DiagnosticStatus, st.integers(0, 255), texts, texts, texts, tuples(key_values))
+many_floats = tuples(st.floats())
+
+messages: dict[type, st.SearchStrategy[object]] = {
+    Bool: st.builds(Bool, st.booleans()),
+    DiagnosticArray: st.builds(DiagnosticArray, headers, tuples(statuses)),
+    DiagnosticStatus: statuses,
+    Header: headers,
+    Imu: st.builds(
+        Imu, headers, quaternions, covariances, vector3s, covariances, vector3s, covariances
+    ),
+    JointState: st.builds(
+        JointState, headers, tuples(texts), many_floats, many_floats, many_floats
+    ),
+    Joy: st.builds(Joy, headers, tuples(st.floats(width=32)), tuples(int32s)),
+    KeyValue: key_values,
+    MagneticField: st.builds(MagneticField, headers, vector3s, covariances),
+    Point: points,
+    PointStamped: st.builds(PointStamped, headers, points),
+    Pose: poses,
+    PoseStamped: st.builds(PoseStamped, headers, poses),
+    Quaternion: quaternions,
+    String: st.builds(String, texts),
+    Time: times,
+    Twist: st.builds(Twist, vector3s, vector3s),
+    Vector3: vector3s,
+}

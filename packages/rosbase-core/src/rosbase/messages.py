@@ -3,11 +3,11 @@
 They are immutable: one object is handed to every subscriber, on any thread, without a
 copy. Use `attrs.evolve(message, ...)` for a changed one.
 
-Sources: common_interfaces (`sensor_msgs`, `geometry_msgs`, `std_msgs`), REP-103 (units),
-REP-145 (IMU drivers).
+Sources: common_interfaces (`sensor_msgs`, `geometry_msgs`, `std_msgs`, `diagnostic_msgs`),
+REP-103 (units), REP-145 (IMU drivers).
 """
 
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 from attrs import Attribute, field, frozen
 
@@ -16,10 +16,13 @@ __all__ = [
     "COVARIANCE_UNKNOWN",
     "Bool",
     "Covariance",
+    "DiagnosticArray",
+    "DiagnosticStatus",
     "Header",
     "Imu",
     "JointState",
     "Joy",
+    "KeyValue",
     "MagneticField",
     "Point",
     "PointStamped",
@@ -221,3 +224,42 @@ class MagneticField:
     """Tesla, in the sensor frame; NaN on an axis that is not reported."""
     magnetic_field_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
     """T^2; all zeros: unknown."""
+
+
+@frozen
+class KeyValue:
+    """A finding and its name (diagnostic_msgs/KeyValue)."""
+
+    key: str = ""
+    value: str = ""
+
+
+@frozen
+class DiagnosticStatus:
+    """How one part of the robot is (diagnostic_msgs/DiagnosticStatus)."""
+
+    OK: ClassVar[int] = 0
+    WARN: ClassVar[int] = 1
+    ERROR: ClassVar[int] = 2
+    STALE: ClassVar[int] = 3
+    """Nothing has been heard of it for too long."""
+
+    level: int = OK
+    """One of the above; ROS has it as a byte."""
+    name: str = ""
+    """Of the part."""
+    message: str = ""
+    """What is the matter, for a person."""
+    hardware_id: str = ""
+    """Of the device, a serial number for one."""
+    values: tuple[KeyValue, ...] = ()
+    """More about it."""
+
+
+@frozen
+class DiagnosticArray:
+    """How several parts of the robot are (diagnostic_msgs/DiagnosticArray)."""
+
+    header: Header = Header()
+    """When that was so; the frame is not used."""
+    status: tuple[DiagnosticStatus, ...] = ()

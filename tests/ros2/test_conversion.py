@@ -1,0 +1,311 @@
+import math
+import os
+import subprocess
+import sys
+from array import array
+from typing import Any
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase import messages
+from rosbase.messages import (
+    Bool,
+    DiagnosticArray,
+    DiagnosticStatus,
+    Header,
+    Imu,
+    JointState,
+    Joy,
+    KeyValue,
+    MagneticField,
+    Pose,
+    Quaternion,
+    String,
+    Time,
+    Twist,
+    Vector3,
+)
+from rosbase_ros2.conversion import Conversions, Converter
+from support import strategies
+
+serialization: Any = pytest.importorskip("rclpy.serialization")
+numpy: Any = pytest.importorskip("numpy")
+geometry_msgs: Any = pytest.importorskip("geometry_msgs.msg")
+std_msgs: Any = pytest.importorskip("std_msgs.msg")
+
+CONVERSIONS = Conversions()
+TYPES = sorted(strategies.messages, key=lambda kind: kind.__name__)
+
+
+def over_the_network(message: object) -> object:
+    """What another program would get."""
+    converter = CONVERSIONS.of(type(message))
+    data = serialization.serialize_message(converter.to_ros(message))
+    return converter.from_ros(serialization.deserialize_message(data, converter.ros_type))
+
+
+def test_every_message_of_rosbase_has_a_converter() -> None:
+    found = [kind for kind in vars(messages).values() if attrs.has(kind)]
+    assert {CONVERSIONS.of(kind).msg_type for kind in found} == set(TYPES)
+
+
+@pytest.mark.parametrize("kind", TYPES)
+@given(data=st.data())
+def test_a_message_arrives_as_it_was_sent(kind: type, data: st.DataObject) -> None:
+    message = data.draw(strategies.messages[kind])
+    # repr tells NaN from numbers and -0.0 from 0.0, and 1 from 1.0.
+    assert repr(over_the_network(message)) == repr(message)
+
+
+@pytest.mark.parametrize("kind", TYPES)
+def test_defaults_are_those_of_ros(kind: type) -> None:
+    converter = CONVERSIONS.of(kind)
+    assert converter.from_ros(converter.ros_type()) == kind()
+
+
+# What may not be in a field, by the type of the field; ROS would send most of it as garbage.
+WRONG: dict[type, list[Any]] = {
+    float: [True, None, "1.0", b"1", 1j, [1.0], numpy.bool_(True)],
+    int: [True, None, 1.0, "1", -(2**31) - 1, 2**32, 10**5000],
+    bool: [0, 1, None, "", numpy.bool_(True)],
+    str: [1, None, b"text", "a\0b", "\ud800"],
+}
+
+
+def places(message: Any, where: str) -> list[tuple[str, type, Any]]:
+    """Each value in a message: its name, its type, and how to put another one there."""
+    found: list[tuple[str, type, Any]] = []
+    for field in attrs.fields(type(message)):
+        value = getattr(message, field.name)
+        into = _evolve(message, field.name)
+        name = f"{where}.{field.name}"
+        found.append((name, object, into))
+        if attrs.has(type(value)):
+            inner = places(value, name)
+        elif isinstance(value, tuple):
+            first = attrs.has(type(value[0]))
+            inner = places(value[0], name) if first else [(name, type(value[0]), _alone)]
+            into = _head(into, value[1:])
+        else:
+            inner = [(name, type(value), _alone)]
+        found += [(n, kind, _after(put, into)) for n, kind, put in inner]
+    return found
+
+
+def _evolve(message: Any, name: str) -> Any:
+    return lambda value: attrs.evolve(message, **{name: value})
+
+
+def _alone(value: Any) -> Any:
+    return value
+
+
+def _head(put: Any, rest: tuple[Any, ...]) -> Any:
+    return lambda value: put((value, *rest))
+
+
+def _after(first: Any, then: Any) -> Any:
+    return lambda value: then(first(value))
+
+
+KEY_VALUE = KeyValue("temperature", "20")
+STATUS = DiagnosticStatus(level=DiagnosticStatus.WARN, values=(KEY_VALUE,))
+FULL: list[Any] = [
+    Bool(),
+    DiagnosticArray(status=(STATUS,)),
+    Imu(),
+    JointState(name=("elbow",), position=(1.0,), velocity=(1.0,), effort=(1.0,)),
+    Joy(axes=(1.0,), buttons=(1,)),
+    MagneticField(),
+    Pose(),
+    String(),
+    Twist(),
+]
+
+
+@pytest.mark.parametrize("message", FULL, ids=lambda message: type(message).__name__)
+def test_a_value_of_the_wrong_kind_is_refused_by_the_name_of_its_field(message: Any) -> None:
+    converter = CONVERSIONS.of(type(message))
+    for where, kind, put in places(message, type(message).__name__):
+        for value in WRONG.get(kind, []):
+            with pytest.raises((TypeError, ValueError)) as refused:
+                converter.to_ros(put(value))
+            # A message in a tuple is named by its own type.
+            last = where.rpartition(".")[2]
+            assert f"{last} takes " in str(refused.value)
+            assert "\n" not in str(refused.value)
+
+
+def test_the_field_is_named_from_the_message_on() -> None:
+    imu = Imu(angular_velocity=Vector3(0.0, None, 0.0))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^Imu\.angular_velocity\.y takes numbers, not None$"):
+        CONVERSIONS.of(Imu).to_ros(imu)
+    pose = Pose(orientation=Vector3())  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^Pose\.orientation takes messages of type Quaternion"):
+        CONVERSIONS.of(Pose).to_ros(pose)
+
+
+def test_a_message_of_another_type_is_refused() -> None:
+    for wrong in (None, Twist(), CONVERSIONS.of(Imu).to_ros(Imu())):
+        with pytest.raises(TypeError, match=r"^Imu takes messages of type Imu, not "):
+            CONVERSIONS.of(Imu).to_ros(wrong)
+
+
+@pytest.mark.parametrize("value", ["elbow", None, {"elbow": 1}, 1, {1.0}, iter([1.0])])
+def test_only_a_list_of_values_goes_into_a_list(value: Any) -> None:
+    for field in ("name", "position"):
+        with pytest.raises(TypeError, match=rf"^JointState\.{field} takes a tuple"):
+            CONVERSIONS.of(JointState).to_ros(JointState(**{field: value}))
+
+
+@pytest.mark.parametrize("stamp", [Time(2**31, 0), Time(-(2**31) - 1, 0), Time(0, -1)])
+def test_a_time_that_ros_cannot_hold_is_refused(stamp: Time) -> None:
+    with pytest.raises(ValueError, match=r"Header\.stamp\.(nano)?sec takes whole numbers from"):
+        CONVERSIONS.of(Header).to_ros(Header(stamp))
+
+
+def test_a_number_too_large_for_its_float_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"Joy\.axes takes numbers that a 32-bit float can hold"):
+        CONVERSIONS.of(Joy).to_ros(Joy(axes=(1e39,)))
+    with pytest.raises(ValueError, match=r"Vector3\.x takes numbers that a float can hold"):
+        CONVERSIONS.of(Vector3).to_ros(Vector3(10**400))
+
+
+def test_whole_numbers_and_those_of_numpy_become_floats() -> None:
+    sent = Vector3(1, numpy.float32(0.5), numpy.int64(2))
+    assert repr(over_the_network(sent)) == repr(Vector3(1.0, 0.5, 2.0))
+    joints = JointState(
+        position=numpy.array([1, 2]),
+        velocity=[1, 2.5],  # type: ignore[arg-type]
+        effort=array("f", [0.5]),  # type: ignore[arg-type]
+    )
+    expected = JointState(position=(1.0, 2.0), velocity=(1.0, 2.5), effort=(0.5,))
+    assert repr(over_the_network(joints)) == repr(expected)
+    imu = Imu(orientation_covariance=numpy.zeros(9, dtype=numpy.float32))
+    assert repr(over_the_network(imu)) == repr(Imu())
+
+
+def test_nan_is_let_through() -> None:
+    sent = MagneticField(magnetic_field=Vector3(math.nan, 1e-5, math.nan))
+    assert repr(over_the_network(sent)) == repr(sent)
+
+
+def test_a_ros_message_is_passed_through() -> None:
+    converter = CONVERSIONS.of(std_msgs.String)
+    message = std_msgs.String(data="as it is")
+    assert converter.msg_type is converter.ros_type is std_msgs.String
+    assert converter.to_ros(message) is message
+    assert converter.from_ros(message) is message
+
+
+@pytest.mark.parametrize("kind", [int, JointState | None, "Imu", Converter])
+def test_an_unknown_type_is_refused_with_a_way_out(kind: Any) -> None:
+    with pytest.raises(TypeError, match=r"^[^\n]*Conversions\.register\(\) takes a Converter"):
+        CONVERSIONS.of(kind)
+
+
+def test_a_converter_is_made_once() -> None:
+    conversions = Conversions()
+    assert conversions.of(Imu) is conversions.of(Imu)
+
+
+@attrs.frozen
+class Arrow:
+    position: Vector3
+    orientation: Quaternion
+
+
+def test_a_class_of_ones_own_with_the_fields_of_a_ros_message_can_be_registered() -> None:
+    conversions = Conversions()
+    conversions.register(conversions.derive(Arrow, geometry_msgs.Pose))
+    converter = conversions.of(Arrow)
+    arrow = Arrow(Vector3(1.0, 2.0, 3.0), Quaternion())
+    ros = converter.to_ros(arrow)
+    assert ros.position == geometry_msgs.Point(x=1.0, y=2.0, z=3.0)
+    assert converter.from_ros(ros) == arrow
+
+
+def test_a_class_whose_fields_differ_from_those_of_ros_is_refused() -> None:
+    with pytest.raises(TypeError, match="Arrow and Twist of ROS differ in fields: angular, lin"):
+        Conversions().derive(Arrow, geometry_msgs.Twist)
+    with pytest.raises(TypeError, match="no attrs class"):
+        Conversions().derive(int, geometry_msgs.Twist)
+
+
+def test_a_registered_converter_is_used_inside_other_messages_too() -> None:
+    def to_ros(text: Header) -> Any:
+        return std_msgs.Header(frame_id=f"robot1/{text.frame_id}")
+
+    conversions = Conversions()
+    conversions.of(Imu)
+    conversions.register(
+        Converter(Header, std_msgs.Header, to_ros, lambda ros: Header(frame_id="back"))
+    )
+    converter = conversions.of(Imu)
+    ros = converter.to_ros(Imu(Header(frame_id="imu_link")))
+    assert ros.header.frame_id == "robot1/imu_link"
+    assert converter.from_ros(ros).header.frame_id == "back"
+    with pytest.raises(TypeError, match=r"^Imu\.header takes messages of type Header"):
+        converter.to_ros(Imu(None))  # type: ignore[arg-type]
+
+
+# What is essential above, in a Python of its own: ROS reads the variable when it is imported.
+EVERY_TYPE = """
+import sys
+from rclpy.serialization import deserialize_message, serialize_message
+from rosbase.messages import *
+from rosbase_ros2.conversion import Conversions
+
+conversions = Conversions()
+nine = tuple(range(9))
+for message in (
+    Bool(True), String("text"), Joy(Header(Time(1, 2), "pad"), (1, 0.5), (0, 1)),
+    Imu(Header(Time(-1, 5), "imu"), Quaternion(1, 0, 0, 0), nine, Vector3(1, 2, 3)),
+    MagneticField(magnetic_field=Vector3(1, 2, 3), magnetic_field_covariance=nine),
+    JointState(name=("a", "b"), position=(1, 2.5)), PoseStamped(pose=Pose(Point(1, 2, 3))),
+    PointStamped(point=Point(1, 2, 3)), Twist(Vector3(1, 0, 0)),
+    DiagnosticArray(status=(DiagnosticStatus(2, "a", values=(KeyValue("k", "v"),)),)),
+):
+    converter = conversions.of(type(message))
+    ros = converter.to_ros(message)
+    assert ros._check_fields is (sys.argv[1] == "1")
+    back = deserialize_message(serialize_message(ros), converter.ros_type)
+    assert converter.from_ros(back) == message, message
+for wrong in (True, None, "1"):
+    try:
+        conversions.of(Twist).to_ros(Twist(Vector3(wrong)))
+    except TypeError as exc:
+        assert "Twist.linear.x takes numbers" in str(exc)
+    else:
+        raise SystemExit(f"{wrong!r} got through")
+"""
+
+
+def run_python(script: str, *arguments: str, **variables: str) -> None:
+    environment = {k: v for k, v in os.environ.items() if k != "ROS_PYTHON_CHECK_FIELDS"}
+    environment |= {"PYTHONPATH": os.pathsep.join(sys.path)} | variables
+    command = [sys.executable, "-c", script, *arguments]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+
+
+def test_it_is_the_same_with_the_field_checks_of_ros_on() -> None:
+    run_python(EVERY_TYPE, "1", ROS_PYTHON_CHECK_FIELDS="1")
+
+
+def test_it_is_the_same_with_the_field_checks_of_ros_off() -> None:
+    run_python(EVERY_TYPE, "0")
+
+
+def test_only_the_ros_packages_that_are_needed_are_imported() -> None:
+    run_python(
+        "import sys; from rosbase_ros2.conversion import Conversions;"
+        "from rosbase.messages import String; conversions = Conversions();"
+        "assert not [name for name in sys.modules if name.endswith('_msgs.msg')];"
+        "conversions.of(String);"
+        "assert 'std_msgs.msg' in sys.modules;"
+        "assert 'sensor_msgs.msg' not in sys.modules"
+    )
