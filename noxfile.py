@@ -22,6 +22,8 @@ DISTRIBUTIONS = {
     "rosbase-core": (["rosbase-core"], "tests/core"),
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
 }
+# rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
+ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3"]
 LINTERS = ["ruff==0.17.6"]
 OLDEST = "3.11"
@@ -63,6 +65,14 @@ def tests(session: nox.Session, distribution: str) -> None:
 
 
 @nox.session(python=PYTHONS)
+def ros2(session: nox.Session) -> None:
+    """The tests on real rclpy, from the package index, and in other processes."""
+    session.install(*TEST_TOOLS)
+    _install_wheels(session, "rosbase-core", "rosbase-ros2")
+    session.run("pytest", "-q", "tests/ros2", *session.posargs)
+
+
+@nox.session(python=PYTHONS)
 def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
     session.install(*TEST_TOOLS)
@@ -90,9 +100,9 @@ def lint(session: nox.Session) -> None:
 def typing(session: nox.Session) -> None:
     """The types of everything, tests too, under mypy's strictest rules."""
     session.install("mypy==2.4.1", "nox", "types-pyserial", *TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "imu-serial")
-    session.run("mypy", "packages/rosbase-core/src", "packages/imu-serial/src")
-    for folder in ("core", "imu_serial", "integration", "docs", "benchmarks"):
+    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
+    session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
+    for folder in ("core", "imu_serial", "ros2", "integration", "docs", "benchmarks"):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
     for example in sorted(EXAMPLES.glob("*/")):
         # One by one: each is run from its own folder, and module names repeat.
@@ -103,7 +113,7 @@ def typing(session: nox.Session) -> None:
 def imports(session: nox.Session) -> None:
     """Who may import whom."""
     session.install("import-linter==2.16")
-    _install_wheels(session, "rosbase-core", "imu-serial")
+    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
     session.run("lint-imports")
 
 
@@ -121,7 +131,7 @@ def build(session: nox.Session) -> None:
     session.install("build", "twine", "hatchling")
     dist = Path(session.create_tmp()) / "dist"
     shutil.rmtree(dist, ignore_errors=True)
-    for name in DISTRIBUTIONS:
+    for name in ALL:
         # The wheel is built from the source distribution, so both are proved.
         session.run("python", "-m", "build", "-q", "-o", str(dist), str(PACKAGES / name))
     built = sorted(str(path) for path in dist.iterdir())

@@ -1,10 +1,35 @@
-import importlib
-import warnings
+"""What the tests on real rclpy have in common."""
 
-with warnings.catch_warnings():
-    # What ROS imports for its first message imports a deprecated module of Python.
-    warnings.simplefilter("ignore", DeprecationWarning)
-    try:
-        importlib.import_module("rosidl_generator_py")
-    except ImportError:
-        pass  # the tests here are skipped without ROS
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import rclpy
+
+from support.ros import isolate, ros_context
+
+
+@pytest.fixture(scope="session", autouse=True)
+def warm_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Takes what rclpy takes once for the process, so that no test seems to leak it.
+
+    The log file is open as long as there is a context, and DDS opens descriptors with the first
+    participant that it never closes. One context therefore lives as long as the tests do. What a
+    test opens itself is still found.
+    """
+    isolate(tmp_path_factory.mktemp("ros-log"))
+    with ros_context() as context:
+        with warnings.catch_warnings():
+            # The first message imports a parser that imports what Python has deprecated.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            node: Any = rclpy.create_node("warm_up", context=context)
+        yield
+        node.destroy_node()
+
+
+@pytest.fixture
+def context(warm_ros: None) -> Iterator[Any]:
+    """A context for one test."""
+    with ros_context() as context:
+        yield context

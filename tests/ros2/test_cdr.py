@@ -1,3 +1,4 @@
+from importlib import import_module
 from typing import Any
 
 import attrs
@@ -9,7 +10,7 @@ from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder
 from rosbase_ros2.conversion import Conversions
 from support import strategies
 
-serialization: Any = pytest.importorskip("rclpy.serialization")
+serialization: Any = import_module("rclpy.serialization")
 
 ENCODERS: dict[type, Any] = {Imu: ImuEncoder(), MagneticField: MagneticFieldEncoder()}
 CONVERSIONS = Conversions()
@@ -125,3 +126,10 @@ def test_frames_that_change_all_the_time_are_sent_and_do_not_fill_the_memory() -
         imu = Imu(Header(frame_id=f"frame_{number}"))
         assert encoder.encode(imu) == by_ros(imu)
     assert len(encoder._layouts) <= 64
+
+
+def test_a_covariance_of_another_size_is_refused() -> None:
+    with attrs.validators.disabled():
+        imu = Imu(orientation_covariance=(1.0,) * 8)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"^Imu\.orientation_covariance takes 9 elements, not 8$"):
+        ImuEncoder().encode(imu)

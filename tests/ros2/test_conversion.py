@@ -3,6 +3,7 @@ import os
 import subprocess
 import sys
 from array import array
+from importlib import import_module
 from typing import Any
 
 import attrs
@@ -31,10 +32,10 @@ from rosbase.messages import (
 from rosbase_ros2.conversion import Conversions, Converter
 from support import strategies
 
-serialization: Any = pytest.importorskip("rclpy.serialization")
-numpy: Any = pytest.importorskip("numpy")
-geometry_msgs: Any = pytest.importorskip("geometry_msgs.msg")
-std_msgs: Any = pytest.importorskip("std_msgs.msg")
+serialization: Any = import_module("rclpy.serialization")
+numpy: Any = import_module("numpy")
+geometry_msgs: Any = import_module("geometry_msgs.msg")
+std_msgs: Any = import_module("std_msgs.msg")
 
 CONVERSIONS = Conversions()
 TYPES = sorted(strategies.messages, key=lambda kind: kind.__name__)
@@ -233,6 +234,20 @@ def test_a_class_whose_fields_differ_from_those_of_ros_is_refused() -> None:
         Conversions().derive(Arrow, geometry_msgs.Twist)
     with pytest.raises(TypeError, match="no attrs class"):
         Conversions().derive(int, geometry_msgs.Twist)
+
+
+@attrs.frozen
+class Field:
+    header: Header
+    magnetic_field: Vector3
+    magnetic_field_covariance: tuple[float, ...]
+
+
+def test_an_array_of_fixed_size_takes_just_as_many_elements() -> None:
+    converter = Conversions().derive(Field, CONVERSIONS.of(MagneticField).ros_type)
+    for size in (0, 8, 10):
+        with pytest.raises(ValueError, match=rf"covariance takes 9 elements, not {size}$"):
+            converter.to_ros(Field(Header(), Vector3(), (1.0,) * size))
 
 
 def test_a_registered_converter_is_used_inside_other_messages_too() -> None:

@@ -17,6 +17,7 @@ from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.executor import Executor, ExecutorTimer
+from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
@@ -149,6 +150,12 @@ class Backend(ABC):
         """Ends everything that was created. Idempotent; nothing is called back afterwards."""
 
     # May implement.
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
+        """Lets the outside see and drive the lifecycle of a node of this backend.
+
+        Called once for each, when it is built; the node is unconfigured then.
+        """
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
         """A timer with absolute deadlines; calls that were missed are skipped, not caught up.

@@ -73,6 +73,7 @@ class LifecycleNode(BaseNode):
         self._gated: list[LifecyclePublisher] = []
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
+        self._backend.expose_lifecycle(self)
 
     # What users override.
 

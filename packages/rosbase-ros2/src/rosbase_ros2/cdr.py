@@ -41,7 +41,7 @@ _MAGNETIC_FIELD: _Parts = (("magnetic_field", Vector3), ("magnetic_field_covaria
 
 
 class ImuEncoder:
-    """sensor_msgs/Imu. Use one on one thread at a time."""
+    """sensor_msgs/Imu. From any thread."""
 
     def __init__(self) -> None:
         self._layouts: dict[str, _Layout] = {}
@@ -72,7 +72,7 @@ class ImuEncoder:
 
 
 class MagneticFieldEncoder:
-    """sensor_msgs/MagneticField. Use one on one thread at a time."""
+    """sensor_msgs/MagneticField. From any thread."""
 
     def __init__(self) -> None:
         self._layouts: dict[str, _Layout] = {}
@@ -106,12 +106,10 @@ def _encode_carefully(
         for name, part in parts
         for number in _part(getattr(message, name), f"{where}.{name}", part)
     ]
-    if frame_id not in layouts:
-        # A program has a handful of frames; one that makes up names must not fill the memory.
-        if len(layouts) >= _FRAMES_KEPT:
-            layouts.clear()
-        layouts[frame_id] = _layout(frame_id, len(numbers))
-    pack, frame = layouts[frame_id]
+    # A program has a handful of frames; one that makes up names must not fill the memory.
+    if len(layouts) >= _FRAMES_KEPT:
+        layouts.clear()
+    pack, frame = layouts[frame_id] = _layout(frame_id, len(numbers))
     return pack(_LITTLE_ENDIAN, sec, nanosec, frame, *numbers)
 
 

@@ -1,6 +1,7 @@
 """The managed lifecycle of ROS 2: a table, and a machine that follows it. Pure."""
 
 from rosbase.lifecycle.machine import Machine, TransitionEvent
+from rosbase.lifecycle.managed import ManagedNode
 from rosbase.lifecycle.table import (
     CALLBACKS,
     RAISE_ERROR_LABEL,
@@ -17,6 +18,7 @@ __all__ = [
     "TRANSITIONS",
     "CallbackReturn",
     "Machine",
+    "ManagedNode",
     "State",
     "Transition",
     "TransitionEvent",

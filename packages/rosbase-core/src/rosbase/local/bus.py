@@ -5,11 +5,11 @@ what is wanted here.
 """
 
 import threading
-from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
 from rosbase.errors import BackendError
+from rosbase.queued_subscription import QueuedSubscription
 
 __all__ = ["Bus", "BusLink", "LocalPublisher", "LocalSubscription", "process_bus"]
 
@@ -28,20 +28,10 @@ class BusLink(Protocol):
         ...
 
 
-class LocalSubscription:
-    """The last messages of a topic, waiting for the callback."""
+class LocalSubscription(QueuedSubscription):
+    """The last messages of a topic of this process."""
 
-    __slots__ = (
-        "_callback",
-        "_closed",
-        "_dropped",
-        "_lock",
-        "_queue",
-        "_schedule",
-        "depth",
-        "link",
-        "topic",
-    )
+    __slots__ = ("link",)
 
     def __init__(
         self,
@@ -51,56 +41,9 @@ class LocalSubscription:
         schedule: Callable[[Callable[[], object]], None],
         link: BusLink | None = None,
     ) -> None:
-        self.topic = topic
-        self.depth = depth
+        super().__init__(topic, callback, depth, schedule)
         self.link = link
         """The link that subscribes on behalf of another process, if it is one."""
-        self._callback = callback
-        self._queue: deque[Any] = deque(maxlen=depth)
-        self._schedule = schedule
-        # Guards the queue together with the count; held for a few instructions.
-        self._lock = threading.Lock()
-        self._dropped = 0
-        self._closed = False
-
-    @property
-    def dropped(self) -> int:
-        """How many messages were lost because the callback was slower than the publisher."""
-        return self._dropped
-
-    def deliver(self, message: Any) -> None:
-        """Queues a message, from any thread; the oldest goes if the queue is full."""
-        with self._lock:
-            if self._closed:
-                return
-            queue = self._queue
-            is_full = len(queue) == queue.maxlen
-            if is_full:
-                self._dropped += 1
-            queue.append(message)
-        # One call is under way for each message in the queue, so a full queue needs no more.
-        if not is_full:
-            self._schedule(self.handle_one)
-
-    def handle_one(self) -> None:
-        """Calls back with the oldest message. On the spinning thread."""
-        with self._lock:
-            if self._closed or not self._queue:
-                return
-            message = self._queue.popleft()
-        self._callback(message)
-
-    def resize(self, depth: int) -> None:
-        """Keeps the last `depth` messages from now on."""
-        with self._lock:
-            self.depth = depth
-            self._queue = deque(self._queue, maxlen=depth)
-
-    def close(self) -> None:
-        """No callback from here on."""
-        with self._lock:
-            self._closed = True
-            self._queue.clear()
 
 
 class _Topic:

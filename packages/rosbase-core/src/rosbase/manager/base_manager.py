@@ -218,7 +218,7 @@ class BaseManager:
                 self._claim(processes)
                 self._wait_for_handshake()
                 bring_up(self._lifecycle_nodes(), self._is_stopping)
-                self._clock_watch = ClockWatch(self.backend.clock, self.logger)
+                self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
                 run_main_loop(
                     self.backend.executor,
                     self.node_freq_hz,

@@ -1,0 +1,79 @@
+"""What stands between the threads on which messages arrive and the one that handles them."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["QueuedSubscription"]
+
+
+class QueuedSubscription:
+    """The last messages of a topic, from any thread, waiting for the callback on one."""
+
+    __slots__ = (
+        "_callback",
+        "_closed",
+        "_dropped",
+        "_lock",
+        "_queue",
+        "_schedule",
+        "depth",
+        "topic",
+    )
+
+    def __init__(
+        self,
+        topic: str,
+        callback: Callable[[Any], object],
+        depth: int,
+        schedule: Callable[[Callable[[], object]], None],
+    ) -> None:
+        self.topic = topic
+        self.depth = depth
+        self._callback = callback
+        self._queue: deque[Any] = deque(maxlen=depth)
+        self._schedule = schedule
+        # Guards the queue together with the count; held for a few instructions.
+        self._lock = threading.Lock()
+        self._dropped = 0
+        self._closed = False
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were lost because the callback was slower than the publisher."""
+        return self._dropped
+
+    def deliver(self, message: Any) -> None:
+        """Queues a message, from any thread; the oldest goes if the queue is full."""
+        with self._lock:
+            if self._closed:
+                return
+            queue = self._queue
+            is_full = len(queue) == queue.maxlen
+            if is_full:
+                self._dropped += 1
+            queue.append(message)
+        # One call is under way for each message in the queue, so a full queue needs no more.
+        if not is_full:
+            self._schedule(self.handle_one)
+
+    def handle_one(self) -> None:
+        """Calls back with the oldest message. On the spinning thread."""
+        with self._lock:
+            if self._closed or not self._queue:
+                return
+            message = self._queue.popleft()
+        self._callback(message)
+
+    def resize(self, depth: int) -> None:
+        """Keeps the last `depth` messages from now on."""
+        with self._lock:
+            self.depth = depth
+            self._queue = deque(self._queue, maxlen=depth)
+
+    def close(self) -> None:
+        """No callback from here on."""
+        with self._lock:
+            self._closed = True
+            self._queue.clear()

@@ -1,0 +1,185 @@
+"""The `ros2` backend: an rclpy node of its own, handled on the main-loop thread."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import rclpy
+from rclpy.duration import Duration
+from rclpy.signals import SignalHandlerOptions
+
+from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.clock import SystemClock
+from rosbase.errors import BackendError
+from rosbase.lifecycle import ManagedNode
+from rosbase.parameters import Parameter, ParameterSpec
+from rosbase_ros2.clock import RosClock
+from rosbase_ros2.conversion import Conversions
+from rosbase_ros2.lifecycle_services import LifecycleServices
+from rosbase_ros2.parameters import RosParameters
+from rosbase_ros2.qos import to_profile
+from rosbase_ros2.spinner import Spinner
+from rosbase_ros2.topics import RosPublisher, RosSubscription
+
+__all__ = ["Ros2Backend"]
+
+MessageT = TypeVar("MessageT")
+
+# How long the last messages may take to be acknowledged, all publishers together.
+_FLUSH_NS = 500_000_000
+
+
+class Ros2Backend(Backend):
+    """A connection to ROS 2: one rclpy context, one node, one thread that takes messages in."""
+
+    def __init__(self, options: BackendOptions) -> None:
+        """Starts a node; arguments after `--ros-args` on the command line are heeded.
+
+        Raises:
+            BackendError: ROS refuses the arguments or the name.
+        """
+        super().__init__(SystemClock())
+        self._context = rclpy.Context()
+        self.node = _start_node(self._context, options)
+        """The rclpy node, for whatever else a program needs: actions, services, tf2."""
+        self.clock = self._ros_clock = RosClock(self.node)
+        self._parameters = RosParameters(self.node)
+        self._conversions = Conversions()
+        self._publishers: list[RosPublisher] = []
+        self._subscriptions: list[RosSubscription] = []
+        self._services: list[LifecycleServices] = []
+        self._closed = False
+        self._spinner = Spinner(self._context, self.node, self._report)
+
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: Any) -> Publisher:
+        """A publisher of rosbase messages, which are converted, or of native ROS ones.
+
+        Args:
+            msg_type: The class of the messages.
+            topic: As in ROS: relative, absolute, or private with `~/`; remapping applies.
+            qos: The depth of a reliable, volatile topic, or an rclpy profile.
+        """
+        self._check_open()
+        converter, profile = self._conversions.of(msg_type), to_profile(qos, topic)
+        inner = _asking_ros(self.node.create_publisher, converter.ros_type, topic, profile)
+        publisher = RosPublisher(inner, converter)
+        self._publishers.append(publisher)
+        return publisher
+
+    def create_subscription(
+        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: Any
+    ) -> Subscription:
+        """A subscription; the callback runs on the main-loop thread."""
+        self._check_open()
+        converter, profile = self._conversions.of(msg_type), to_profile(qos, topic)
+        subscription = RosSubscription(converter, callback, profile.depth or 1, self.call_soon)
+        subscription.attach(
+            _asking_ros(
+                self.node.create_subscription,
+                converter.ros_type,
+                topic,
+                subscription.deliver,
+                profile,
+            )
+        )
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """A timer of the main loop, or one that follows `/clock` while `use_sim_time` is true."""
+        self._check_open()
+        if not self._ros_clock.is_simulated:
+            return super().create_timer(period_s, callback)
+        timer: Timer = self.node.create_timer(period_s, lambda: self.call_soon(callback))
+        return timer
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Ends a timer."""
+        if isinstance(timer, rclpy.timer.Timer):
+            self._spinner.call(lambda: self.node.destroy_timer(timer))
+        else:
+            super().destroy_timer(timer)
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Ends a publisher."""
+        if isinstance(publisher, RosPublisher) and publisher in self._publishers:
+            self._publishers.remove(publisher)
+            publisher.close()
+            self._spinner.call(lambda: self.node.destroy_publisher(publisher.inner))
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Ends a subscription."""
+        if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
+            self._subscriptions.remove(subscription)
+            subscription.close()
+            self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
+
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Declares a parameter of the node."""
+        return self._parameters.declare(spec)
+
+    def get_parameter(self, name: str) -> Parameter:
+        """The parameter as it is now, set from outside or not."""
+        return self._parameters.get(name)
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:
+        """Offers the five services and the topic by which the ROS tools drive a managed node."""
+        self._check_open()
+        if self._services:
+            self.node.get_logger().warning(
+                f"{type(node).__name__} is not seen by the ROS tools: the services of"
+                f" {self.node.get_name()} are those of its first lifecycle node"
+            )
+            return
+        self._services.append(LifecycleServices(self.node, node, self.call_soon))
+
+    def close(self) -> None:
+        """Ends everything, in bounded time; what was published is delivered first."""
+        if self._closed:
+            return
+        self._closed = True
+        self._flush()
+        for services in self._services:
+            services.close()
+        for subscription in self._subscriptions:
+            subscription.close()
+        for publisher in self._publishers:
+            publisher.close()
+        if self._spinner.close():
+            self.node.destroy_node()
+        self._context.try_shutdown()
+        self.executor.close()
+
+    def _flush(self) -> None:
+        monotonic_ns = self.executor.clock.monotonic_ns
+        deadline_ns = monotonic_ns() + _FLUSH_NS
+        for publisher in self._publishers:
+            left_ns = max(0, deadline_ns - monotonic_ns())
+            publisher.inner.wait_for_all_acked(Duration(nanoseconds=left_ns))
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise BackendError("the backend is closed")
+
+    def _report(self, error: BaseException) -> None:
+        self.node.get_logger().error(f"a callback of rclpy raised {type(error).__name__}: {error}")
+
+
+def _start_node(context: Any, options: BackendOptions) -> Any:
+    try:
+        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
+        overrides = [
+            rclpy.Parameter(name, value=value)
+            for name, value in options.parameter_overrides.items()
+        ]
+        return rclpy.create_node(options.node_name, context=context, parameter_overrides=overrides)
+    except Exception as error:
+        context.try_shutdown()
+        raise BackendError(f"ROS 2 does not start: {' '.join(str(error).split())}") from error
+
+
+def _asking_ros(function: Callable[..., Any], *args: Any) -> Any:
+    """Calls rclpy; what it refuses is an error in one line."""
+    try:
+        return function(*args)
+    except Exception as error:
+        raise BackendError(" ".join(str(error).split())) from error

@@ -1,0 +1,213 @@
+"""The lifecycle of a node as the ROS tools see it: five services and one topic.
+
+Names, types and order are those of rcl_lifecycle's `com_interface.c`. rclpy's own lifecycle
+node is not used: it has a machine of its own, whose callbacks run on the executor's thread.
+
+Two threads meet here. The executor of rclpy answers on its own; transitions run on the main
+loop. So `change_state` hands the request over and awaits the answer, and meanwhile the
+executor is free to say where the transition is.
+"""
+
+import threading
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any
+
+from lifecycle_msgs import msg, srv
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+from rosbase.errors import TransitionNotAvailableError
+from rosbase.lifecycle import (
+    TRANSITIONS,
+    CallbackReturn,
+    ManagedNode,
+    State,
+    Transition,
+    TransitionEvent,
+)
+
+__all__ = ["LifecycleServices"]
+
+_EVENT_DEPTH = 10
+
+
+class LifecycleServices:
+    """Lets `ros2 lifecycle`, launch files and nav2 see a node's lifecycle and change it.
+
+    What it creates is destroyed with the rclpy node. The executor must have stopped by then. It
+    may not be rclpy's EventsExecutor, which cannot await the callback of a service (7.1.6).
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        managed: ManagedNode,
+        call_soon: Callable[[Callable[[], object]], object],
+    ) -> None:
+        """Creates the services and the topic of transitions.
+
+        Args:
+            node: The node of rclpy under whose name they are found.
+            managed: Whose lifecycle it is.
+            call_soon: Has the main loop call a function. It is called on the thread of the
+                executor that spins `node`.
+        """
+        # rclpy says that it is typed, but most of its functions are not.
+        self._node: Any = node
+        self._managed = managed
+        self._call_soon = call_soon
+        # Requests that the main loop has not begun; guarded with _closed by the lock.
+        self._waiting: set[Any] = set()
+        self._closed = False
+        self._lock = threading.Lock()
+        self._create_services()
+        self._events = node.create_publisher(
+            msg.TransitionEvent, "~/transition_event", _EVENT_DEPTH
+        )
+        managed.add_transition_listener(self._publish)
+
+    def close(self) -> None:
+        """Refuses the requests that have not begun, and all that come later. From any thread.
+
+        Call it when the main loop has ended, or nobody would ever answer them, and before the
+        executor stops, which sends the answers. Events are published until the node is
+        destroyed.
+        """
+        with self._lock:
+            self._closed = True
+            refused, self._waiting = self._waiting, set()
+        for answer in refused:
+            _settle(answer, success=False)
+
+    def _create_services(self) -> None:
+        # In a group of the usual kind no other service would be answered while change_state
+        # waits.
+        group = ReentrantCallbackGroup()
+        callbacks = (
+            ("change_state", srv.ChangeState, self._change_state),
+            ("get_state", srv.GetState, self._get_state),
+            ("get_available_states", srv.GetAvailableStates, self._get_available_states),
+            ("get_available_transitions", srv.GetAvailableTransitions, self._get_available),
+            ("get_transition_graph", srv.GetAvailableTransitions, self._get_graph),
+        )
+        for name, kind, callback in callbacks:
+            self._node.create_service(kind, f"~/{name}", callback, callback_group=group)
+
+    # What the services answer, on the executor's thread. An exception here would end the
+    # executor of everything, so none leaves.
+
+    async def _change_state(self, request: Any, response: Any) -> Any:
+        try:
+            response.success = await self._hand_over(request.transition)
+        except Exception as error:
+            self._log_error("change_state", error)
+            response.success = False
+        return response
+
+    def _get_state(self, request: Any, response: Any) -> Any:
+        try:
+            response.current_state = _state(self._managed.get_state())
+        except Exception as error:
+            self._log_error("get_state", error)
+        return response
+
+    def _get_available_states(self, request: Any, response: Any) -> Any:
+        response.available_states = [_state(state) for state in State]
+        return response
+
+    def _get_available(self, request: Any, response: Any) -> Any:
+        try:
+            available = self._managed.get_available_transitions()
+            response.available_transitions = _descriptions(available)
+        except Exception as error:
+            self._log_error("get_available_transitions", error)
+        return response
+
+    def _get_graph(self, request: Any, response: Any) -> Any:
+        response.available_transitions = _descriptions(TRANSITIONS)
+        return response
+
+    # The way of a request over to the main loop and back.
+
+    def _hand_over(self, wanted: Any) -> Any:
+        """Has the main loop run a transition; gives the future of its success."""
+        answer: Any = Future(executor=self._node.executor)
+        # A future wakes the executor only to run such callbacks; what awaits it does not count.
+        answer.add_done_callback(_nothing)
+        with self._lock:
+            if self._closed:
+                _settle(answer, success=False)
+                return answer
+            self._waiting.add(answer)
+        try:
+            self._call_soon(partial(self._run, answer, wanted.id, wanted.label))
+        except Exception:
+            with self._lock:
+                self._waiting.discard(answer)
+            raise
+        return answer
+
+    def _run(self, answer: Any, transition_id: int, label: str) -> None:
+        """Runs a transition, on the main loop, unless the request has been refused meanwhile."""
+        with self._lock:
+            if answer not in self._waiting:
+                return
+            self._waiting.remove(answer)
+        success = False
+        try:
+            result = self._managed.request_transition(transition_id, label)
+            success = result is CallbackReturn.SUCCESS
+        except TransitionNotAvailableError as error:
+            self._node.get_logger().warning(f"change_state refused: {error}")
+        except Exception as error:
+            self._log_error("a transition", error)
+        finally:
+            # What ends the program goes on to the main loop; the client has its answer first.
+            _settle(answer, success=success)
+
+    def _publish(self, event: TransitionEvent) -> None:
+        """Publishes one step. On the thread that takes it."""
+        self._events.publish(
+            msg.TransitionEvent(
+                timestamp=self._node.get_clock().now().nanoseconds,
+                transition=_transition(event.transition),
+                start_state=_state(event.start),
+                goal_state=_state(event.goal),
+            )
+        )
+
+    def _log_error(self, who: str, error: Exception) -> None:
+        self._node.get_logger().error(f"{who} raised {type(error).__name__}: {error}")
+
+
+def _settle(answer: Any, *, success: bool) -> None:
+    try:
+        answer.set_result(success)
+    except Exception:
+        # The executor has been shut down and can no longer be woken: nobody waits.
+        pass
+
+
+def _nothing(answer: Any) -> None:
+    """What a future calls so that it wakes its executor."""
+
+
+def _state(state: State) -> Any:
+    return msg.State(id=state.id, label=state.label)
+
+
+def _transition(transition: Transition) -> Any:
+    return msg.Transition(id=transition.id, label=transition.label)
+
+
+def _descriptions(transitions: Iterable[Transition]) -> list[Any]:
+    return [
+        msg.TransitionDescription(
+            transition=_transition(transition),
+            start_state=_state(transition.start),
+            goal_state=_state(transition.goal),
+        )
+        for transition in transitions
+    ]

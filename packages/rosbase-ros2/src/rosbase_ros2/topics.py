@@ -1,0 +1,74 @@
+"""Publishers and subscriptions that convert."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rosbase.messages import Imu, MagneticField
+from rosbase.queued_subscription import QueuedSubscription
+from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder
+from rosbase_ros2.conversion import Converter
+
+__all__ = ["RosPublisher", "RosSubscription"]
+
+
+# rclpy publishes bytes as they are: what comes at a high rate is not built as a message first.
+_ENCODERS: dict[type, Callable[[], Callable[[Any], bytes]]] = {
+    Imu: lambda: ImuEncoder().encode,
+    MagneticField: lambda: MagneticFieldEncoder().encode,
+}
+
+
+class RosPublisher:
+    """Sends messages of one class to one topic. From any thread."""
+
+    __slots__ = ("_msg_type", "_send", "_to_ros", "inner", "topic")
+
+    def __init__(self, inner: Any, converter: Converter) -> None:
+        self.inner = inner
+        """The rclpy publisher."""
+        self.topic: str = inner.topic_name
+        self._msg_type = converter.msg_type
+        encoder = _ENCODERS.get(converter.msg_type)
+        self._to_ros = encoder() if encoder else converter.to_ros
+        self._send: Callable[[Any], object] | None = inner.publish
+
+    def publish(self, message: Any) -> None:
+        """Converts the message and sends it; nothing once the publisher has ended.
+
+        Raises:
+            TypeError: It is not of the topic's class.
+        """
+        if type(message) is not self._msg_type:
+            raise TypeError(
+                f"{self.topic} takes {self._msg_type.__name__}, not {type(message).__name__}"
+            )
+        send = self._send
+        if send is not None:
+            send(self._to_ros(message))
+
+    def close(self) -> None:
+        """Sends nothing from here on."""
+        self._send = None
+
+
+class RosSubscription(QueuedSubscription):
+    """The last messages of a topic, converted when their turn comes."""
+
+    __slots__ = ("inner",)
+
+    def __init__(
+        self,
+        converter: Converter,
+        callback: Callable[[Any], object],
+        depth: int,
+        schedule: Callable[[Callable[[], object]], None],
+    ) -> None:
+        from_ros = converter.from_ros
+        super().__init__("", lambda message: callback(from_ros(message)), depth, schedule)
+        self.inner: Any = None
+        """The rclpy subscription."""
+
+    def attach(self, inner: Any) -> None:
+        """Says which rclpy subscription delivers here."""
+        self.inner = inner
+        self.topic = inner.topic_name

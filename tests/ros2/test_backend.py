@@ -1,0 +1,316 @@
+"""The backend on real rclpy: topics, timers, parameters, time and the end."""
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String as RosString
+
+from rosbase import BaseHandlers, BaseManager, BaseNode
+from rosbase.backend import BackendOptions
+from rosbase.errors import BackendError, ParameterError
+from rosbase.lifecycle import CallbackReturn, State
+from rosbase.lifecycle_node import LifecycleNode
+from rosbase.messages import Header, Imu, String, Time, Vector3
+from rosbase.parameters import ParameterSpec
+from rosbase_ros2.backend import Ros2Backend
+from support.ros import Client
+
+LONG_S = 10.0
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+
+
+@pytest.fixture
+def backend() -> Iterator[Ros2Backend]:
+    backend = Ros2Backend(BackendOptions("test_node"))
+    yield backend
+    backend.close()
+
+
+def spin_until(backend: Ros2Backend, is_done: Callable[[], object]) -> None:
+    deadline_ns = backend.executor.clock.monotonic_ns() + int(LONG_S * 1e9)
+    while not is_done():
+        backend.spin_once(0.1)
+        assert backend.executor.clock.monotonic_ns() < deadline_ns, "nothing came"
+
+
+def publish_until(backend: Ros2Backend, publish: Callable[[], object], got: list[Any]) -> None:
+    """Publishes again and again, because discovery takes its time."""
+    timer = backend.create_timer(0.02, publish)
+    spin_until(backend, lambda: got)
+    backend.destroy_timer(timer)
+
+
+def test_messages_of_rosbase_arrive_as_they_were_sent(backend: Ros2Backend) -> None:
+    got: list[Imu] = []
+    sent = Imu(Header(Time(5, 6), "imu_link"), angular_velocity=Vector3(0.1, -0.2, 0.3))
+    publisher = backend.create_publisher(Imu, "imu/data", 10)
+    backend.create_subscription(Imu, "imu/data", got.append, 10)
+    publish_until(backend, lambda: publisher.publish(sent), got)
+    assert got[0] == sent
+
+
+def test_native_messages_and_those_of_rosbase_meet_on_one_topic(backend: Ros2Backend) -> None:
+    native: list[RosString] = []
+    converted: list[String] = []
+    publisher = backend.create_publisher(RosString, "words", 10)
+    backend.create_subscription(RosString, "words", native.append, 10)
+    backend.create_subscription(String, "words", converted.append, 10)
+    publish_until(backend, lambda: publisher.publish(RosString(data="hello")), native)
+    spin_until(backend, lambda: converted)
+    assert native[0].data == "hello"
+    assert converted[0] == String("hello")
+
+
+def test_callbacks_run_on_the_thread_that_spins(backend: Ros2Backend) -> None:
+    threads: list[threading.Thread] = []
+    publisher = backend.create_publisher(String, "words", 10)
+    backend.create_subscription(
+        String, "words", lambda message: threads.append(threading.current_thread()), 10
+    )
+    publish_until(backend, lambda: publisher.publish(String("x")), threads)
+    assert set(threads) == {threading.current_thread()}
+
+
+def test_a_profile_of_rclpy_is_taken_as_it_is(backend: Ros2Backend) -> None:
+    profile = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    got: list[String] = []
+    backend.create_publisher(String, "latched", profile).publish(String("early"))
+    backend.create_subscription(String, "latched", got.append, profile)
+    spin_until(backend, lambda: got)
+    assert got == [String("early")]
+
+
+@pytest.mark.parametrize("qos", [0, -1, True, 1.5, "sensor"])
+def test_a_qos_that_is_none_is_refused_in_one_line(backend: Ros2Backend, qos: Any) -> None:
+    with pytest.raises(BackendError, match="depth from 1 up or an rclpy QoSProfile") as caught:
+        backend.create_publisher(String, "words", qos)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_name_that_ros_refuses_is_an_error_in_one_line(backend: Ros2Backend) -> None:
+    with pytest.raises(BackendError, match="1words") as caught:
+        backend.create_publisher(String, "1words", 10)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(BackendError, match="ROS 2 does not start"):
+        Ros2Backend(BackendOptions("not a name"))
+
+
+def test_a_message_of_another_class_is_refused(backend: Ros2Backend) -> None:
+    publisher = backend.create_publisher(String, "words", 10)
+    with pytest.raises(TypeError, match="/words takes String, not Imu"):
+        publisher.publish(Imu())
+
+
+def test_private_and_relative_names_are_those_of_ros(backend: Ros2Backend) -> None:
+    assert backend.create_publisher(String, "~/words", 10).topic == "/test_node/words"
+    assert backend.create_publisher(String, "words", 10).topic == "/words"
+
+
+def test_a_destroyed_publisher_and_subscription_are_gone_from_the_graph(
+    backend: Ros2Backend,
+) -> None:
+    publisher = backend.create_publisher(String, "words", 10)
+    subscription = backend.create_subscription(String, "words", print, 10)
+    assert backend.node.count_publishers("/words") == 1
+    backend.destroy_publisher(publisher)
+    backend.destroy_publisher(publisher)
+    backend.destroy_subscription(subscription)
+    backend.destroy_subscription(subscription)
+    spin_until(backend, lambda: backend.node.count_publishers("/words") == 0)
+    spin_until(backend, lambda: backend.node.count_subscribers("/words") == 0)
+    publisher.publish(String("nobody"))
+
+
+def test_declared_parameters_are_parameters_of_the_node(backend: Ros2Backend) -> None:
+    backend.declare_parameter(ParameterSpec("rate", 100.0, "Hz", minimum=1.0, maximum=1000.0))
+    described = backend.node.describe_parameter("rate")
+    assert described.description == "Hz"
+    assert backend.node.get_parameter("rate").value == 100.0
+    with pytest.raises(ParameterError, match="declared twice"):
+        backend.declare_parameter(ParameterSpec("rate", 1.0))
+    with pytest.raises(ParameterError, match="not been declared"):
+        backend.get_parameter("other")
+
+
+def test_what_is_set_from_outside_is_checked_and_seen(backend: Ros2Backend) -> None:
+    backend.declare_parameter(ParameterSpec("rate", 100.0, minimum=1.0))
+    backend.declare_parameter(ParameterSpec("axes", "xyz", choices=("xyz", "zyx")))
+
+    def set_to(name: str, value: Any) -> Any:
+        return backend.node.set_parameters([rclpy.Parameter(name, value=value)])[0]
+
+    assert set_to("rate", 50).successful
+    assert backend.get_parameter("rate").value == 50.0
+    assert isinstance(backend.get_parameter("rate").value, float)
+    for name, value in [("rate", 0.5), ("rate", "fast"), ("rate", float("nan")), ("axes", "abc")]:
+        refused = set_to(name, value)
+        assert not refused.successful
+        assert refused.reason
+    assert backend.get_parameter("rate").value == 50.0
+
+
+@pytest.mark.parametrize("default", [True, 7, 1.5, "text"])
+def test_every_kind_of_parameter_keeps_its_value(backend: Ros2Backend, default: Any) -> None:
+    backend.declare_parameter(ParameterSpec("p", default))
+    assert backend.get_parameter("p").value == default
+
+
+def test_overrides_of_the_program_win(backend: Ros2Backend) -> None:
+    other = Ros2Backend(BackendOptions("other", {"rate": 5}))
+    try:
+        assert other.declare_parameter(ParameterSpec("rate", 1.0)).value == 5.0
+    finally:
+        other.close()
+
+
+def test_two_backends_and_the_programs_own_rclpy_live_in_one_process(backend: Ros2Backend) -> None:
+    rclpy.init(args=[])
+    try:
+        node = rclpy.create_node("hand_written")
+        other = Ros2Backend(BackendOptions("other"))
+        got: list[String] = []
+        other.create_subscription(String, "words", got.append, 10)
+        by_hand = node.create_publisher(RosString, "words", 10)
+        publish_until(other, lambda: by_hand.publish(RosString(data="x")), got)
+        other.close()
+        assert rclpy.ok()
+        node.destroy_node()
+    finally:
+        rclpy.shutdown()
+
+
+def test_closing_twice_is_harmless_and_a_closed_backend_refuses(backend: Ros2Backend) -> None:
+    backend.close()
+    backend.close()
+    with pytest.raises(BackendError, match="closed"):
+        backend.create_publisher(String, "words", 10)
+    with pytest.raises(BackendError, match="closed"):
+        backend.create_timer(1.0, print)
+
+
+def test_a_manager_runs_on_it_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROSBASE_BACKEND", "ros2")
+
+    class Talker(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.heard: list[String] = []
+            self.publisher = self.create_publisher(String, "chatter")
+            self.create_subscription(String, "chatter", self.heard.append)
+
+    class Handlers(BaseHandlers):
+        def handle(self) -> None:
+            talker = self.nodes["talker"]
+            talker.publisher.publish(String(str(self.timestamp)))
+            if talker.heard or self.timestamp > 1000:
+                self.manager.request_stop()
+
+    manager = BaseManager("app", {"talker": Talker}, handlers_class=Handlers, node_freq_hz=100)
+    manager.start_main_loop_timer()
+    assert manager.nodes["talker"].heard
+
+
+def test_a_lifecycle_node_is_driven_by_the_ros_tools_and_its_callbacks_run_on_the_main_loop(
+    backend: Ros2Backend, context: Any
+) -> None:
+    threads: list[threading.Thread] = []
+
+    class Walker(LifecycleNode):
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            threads.append(threading.current_thread())
+            return CallbackReturn.SUCCESS
+
+    walker = Walker(backend=backend)
+    client = Client(context, "test_node")
+    walked: list[object] = []
+
+    def walk() -> None:
+        client.await_services()
+        for label in ("configure", "activate", "configure", "shutdown"):
+            walked.append(client.change(label=label))
+            walked.append(client.state())
+        client.destroy()
+
+    thread = threading.Thread(target=walk)
+    thread.start()
+    spin_until(backend, lambda: not thread.is_alive())
+    assert walked == [
+        *(True, "inactive", True, "active"),
+        *(False, "active", True, "finalized"),
+    ]
+    assert threads == [threading.current_thread()]
+    assert walker.get_state() is State.FINALIZED
+
+
+def test_only_the_first_lifecycle_node_is_exposed_and_the_next_says_so(
+    backend: Ros2Backend, capfd: pytest.CaptureFixture[str]
+) -> None:
+    LifecycleNode(backend=backend)
+    LifecycleNode(backend=backend)
+    names = [name for name, _ in backend.node.get_service_names_and_types()]
+    assert names.count("/test_node/get_state") == 1
+    assert "is not seen by the ROS tools" in capfd.readouterr().err
+
+
+ROS_ARGUMENTS = """
+import sys
+from rosbase.backend import BackendOptions
+from rosbase.messages import String
+from rosbase.parameters import ParameterSpec
+from rosbase_ros2.backend import Ros2Backend
+backend = Ros2Backend(BackendOptions("n"))
+print(backend.declare_parameter(ParameterSpec("rate", 1.0)).value)
+print(backend.create_publisher(String, "words", 10).topic, backend.node.get_fully_qualified_name())
+backend.close()
+"""
+
+
+def run_with(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", ROS_ARGUMENTS, "--ros-args", *arguments],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=30,
+    )
+
+
+def test_ros_arguments_set_parameters_names_and_namespaces() -> None:
+    done = run_with(
+        "-p", "rate:=7", "-r", "words:=letters", "-r", "__ns:=/robot", "-r", "__node:=eve"
+    )
+    assert done.stdout.splitlines() == ["7.0", "/robot/letters /robot/eve"], done.stderr
+
+
+def test_a_parameter_file_is_read(tmp_path: Any) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text("n:\n  ros__parameters:\n    rate: 3.5\n")
+    assert run_with("--params-file", str(file)).stdout.splitlines()[0] == "3.5"
+
+
+def test_a_wrong_ros_argument_is_one_line() -> None:
+    done = run_with("-p", "rate")
+    assert "ROS 2 does not start" in done.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("example", ["pick_place", "quadruped"])
+def test_the_examples_run_on_ros_without_a_changed_line(example: str) -> None:
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / example)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=50,
+        env={**os.environ, "ROSBASE_BACKEND": "ros2"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout.count(" -> ") >= 7
