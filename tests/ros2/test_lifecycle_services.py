@@ -2,7 +2,7 @@ import json
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -201,10 +201,14 @@ def test_the_state_is_told_while_a_slow_transition_runs(connected: Client, runni
 
 def test_an_answer_wakes_the_executor(client: Client, served: Served) -> None:
     node = scripted(served)
+    ending = threading.Event()
     node.may_end.clear()
     with (
         # It sleeps for longer than the client waits.
-        spinning(lambda: served.executor.spin_once(timeout_sec=60.0), "executor"),
+        spinning(
+            lambda: served.executor.spin_once(timeout_sec=0.1 if ending.is_set() else 60.0),
+            "executor",
+        ),
         spinning(served.turn_main_loop, "main loop"),
     ):
         client.connect(served)
@@ -212,7 +216,8 @@ def test_an_answer_wakes_the_executor(client: Client, served: Served) -> None:
         assert node.began.wait(TIMEOUT_S)
         node.may_end.set()
         assert client.finish(change).success
-        served.executor.wake()
+        ending.set()
+        served.executor.create_task(lambda: None)
 
 
 def test_requests_that_come_during_a_transition_wait_their_turn(
@@ -236,7 +241,12 @@ def test_close_answers_what_a_main_loop_that_has_ended_never_begins(
 ) -> None:
     handed_over = threading.Event()
     call_soon = served.services._call_soon
-    served.services._call_soon = lambda call: [call_soon(call), handed_over.set()]  # type: ignore[func-returns-value]
+
+    def hand_over(call: Callable[[], object]) -> None:
+        call_soon(call)
+        handed_over.set()
+
+    served.services._call_soon = hand_over
     with spinning(served.turn_executor, "executor"):
         client.connect(served)
         change = client.start_change(1)
@@ -333,9 +343,8 @@ def test_an_error_that_the_node_raises_itself_is_an_event_outside_the_graph(
     for label in ("configure", "activate"):
         assert connected.change(label=label)
     raised = threading.Event()
-    running.backend.call_soon(
-        lambda: [running.managed.raise_error(OSError("unplugged")), raised.set()]  # type: ignore[func-returns-value]
-    )
+    running.backend.call_soon(lambda: running.managed.raise_error(OSError("unplugged")))
+    running.backend.call_soon(raised.set)
     assert raised.wait(TIMEOUT_S)
     assert connected.await_events(6)[4:] == [
         (0, "raise_error", "active", "errorprocessing"),

@@ -71,6 +71,7 @@ def spinning(turn: Callable[[], object], name: str) -> Iterator[None]:
     finally:
         stop.set()
         thread.join(TIMEOUT_S)
+    assert not thread.is_alive(), f"the thread of the {name} does not end"
     if errors:
         raise errors[0]
 
