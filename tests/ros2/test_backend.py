@@ -1,5 +1,6 @@
 """The backend on real rclpy: topics, timers, parameters, time and the end."""
 
+import itertools
 import os
 import subprocess
 import sys
@@ -10,7 +11,8 @@ from typing import Any
 
 import pytest
 import rclpy
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock as RosClockMessage
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseHandlers, BaseManager, BaseNode
@@ -86,6 +88,47 @@ def test_a_profile_of_rclpy_is_taken_as_it_is(backend: Ros2Backend) -> None:
     backend.create_subscription(String, "latched", got.append, profile)
     spin_until(backend, lambda: got)
     assert got == [String("early")]
+
+
+def test_a_history_that_keeps_all_loses_nothing_before_the_callback(backend: Ros2Backend) -> None:
+    profile = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+    got: list[String] = []
+    publisher = backend.create_publisher(String, "words", profile)
+    subscription = backend.create_subscription(String, "words", got.append, profile)
+    publish_until(backend, lambda: publisher.publish(String("first")), got)
+    for number in range(200):
+        publisher.publish(String(str(number)))
+    spin_until(backend, lambda: got[-1] == String("199"))
+    assert [m for m in got if m != String("first")] == [String(str(n)) for n in range(200)]
+    assert subscription.dropped == 0
+
+
+def test_use_sim_time_has_stamps_and_timers_follow_the_clock_topic(context: Any) -> None:
+    node = rclpy.create_node("simulation", context=context)
+    clocks = node.create_publisher(RosClockMessage, "/clock", 10)
+    backend = Ros2Backend(BackendOptions("simulated", {"use_sim_time": True}))
+    try:
+        fired: list[Time] = []
+        backend.create_timer(10.0, lambda: fired.append(backend.clock.now()))
+        message = RosClockMessage()
+        seconds = iter(range(100, 1_000_000))
+
+        def tick() -> None:
+            message.clock.sec = next(seconds)
+            clocks.publish(message)
+
+        for _ in range(int(LONG_S / 0.01)):
+            tick()
+            backend.spin_once(0.01)
+            if len(fired) >= 4:
+                break
+        # Ten seconds of the simulation each, in far less than ten of ours. The first call was
+        # due before the clock was found.
+        assert [b.sec - a.sec >= 9 for a, b in itertools.pairwise(fired[1:])] == [True, True]
+        assert backend.clock.now().sec < 1_000_000
+    finally:
+        backend.close()
+        node.destroy_node()
 
 
 @pytest.mark.parametrize("qos", [0, -1, True, 1.5, "sensor"])

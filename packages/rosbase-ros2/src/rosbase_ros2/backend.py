@@ -16,7 +16,7 @@ from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
-from rosbase_ros2.qos import to_profile
+from rosbase_ros2.qos import queue_depth, to_profile
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
@@ -71,7 +71,7 @@ class Ros2Backend(Backend):
         """A subscription; the callback runs on the main-loop thread."""
         self._check_open()
         converter, profile = self._conversions.of(msg_type), to_profile(qos, topic)
-        subscription = RosSubscription(converter, callback, profile.depth or 1, self.call_soon)
+        subscription = RosSubscription(converter, callback, queue_depth(profile), self.call_soon)
         subscription.attach(
             _asking_ros(
                 self.node.create_subscription,

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 from rosbase.messages import Header, Imu, MagneticField, Quaternion, Time, Vector3
-from rosbase_ros2.conversion import as_float, as_floats, as_int, as_message, as_text
+from rosbase_ros2.kinds import as_float, as_floats, as_int, as_message, as_text
 
 __all__ = ["ImuEncoder", "MagneticFieldEncoder"]
 

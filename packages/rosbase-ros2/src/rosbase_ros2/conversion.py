@@ -1,44 +1,32 @@
 """Messages of rosbase to those of ROS, and back.
 
-Nothing but the right kind of value gets into a ROS message. rclpy itself checks that only
-where `ROS_PYTHON_CHECK_FIELDS` is 1; elsewhere it sends an int in a float field, a bool or
-None as garbage, and a text only up to its first NUL, without a word.
-
 A converter is made once for a type, out of the fields of both sides. What then runs for
 each message knows already where a field goes and which kind it must be.
 """
 
-import re
 import typing
-from array import array
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from importlib import import_module
-from numbers import Integral, Real
 from typing import Any, TypeAlias
 
 import attrs
 
 from rosbase import messages
+from rosbase_ros2.kinds import (
+    LIST,
+    TYPECODES,
+    Check,
+    Read,
+    as_message,
+    basic_kind,
+    list_check,
+    numbers_back,
+)
 
-__all__ = [
-    "Conversions",
-    "Converter",
-    "as_float",
-    "as_floats",
-    "as_int",
-    "as_message",
-    "as_text",
-]
+__all__ = ["Conversions", "Converter"]
 
-Check: TypeAlias = Callable[[Any, str], Any]
-"""Takes a value and the name of its field; gives what goes into the ROS message."""
 Fill: TypeAlias = Callable[[Any, Any], None]
 """Puts what a message of rosbase has into a ROS message."""
-Read: TypeAlias = Callable[[Any], Any]
-"""Gives what rosbase has for the value of a ROS field."""
-
-_FLOAT32_MAX = 3.4028234663852886e38
-_all_floats = frozenset((float,)).issuperset
 
 _PACKAGES = {
     "builtin_interfaces": (messages.Time,),
@@ -148,7 +136,7 @@ class Conversions:
         return fill
 
     def _step(self, name: str, kind: Any, ros_kind: str, where: str) -> Fill:
-        if "/" in ros_kind and not _LIST.fullmatch(ros_kind) and kind not in self._registered:
+        if "/" in ros_kind and not LIST.fullmatch(ros_kind) and kind not in self._registered:
             fill_in = self._fill(kind, _ros_class(ros_kind), where)
 
             def descend(message: Any, ros: Any) -> None:
@@ -163,12 +151,12 @@ class Conversions:
         return put
 
     def _check(self, kind: Any, ros_kind: str, where: str) -> Check:
-        if found := _LIST.fullmatch(ros_kind):
+        if found := LIST.fullmatch(ros_kind):
             element, size = found["array"] or found["sequence"], found["size"]
             each = self._check(_element(kind), element, where)
-            return _list_check(element, each, int(size) if size else None)
+            return list_check(element, each, int(size) if size else None)
         if "/" not in ros_kind:
-            return _basic(ros_kind, where)[0]
+            return basic_kind(ros_kind, where)[0]
         if kind in self._registered:
             return _checked_by(self._registered[kind])
         return _checked_by(self.derive(kind, _ros_class(ros_kind)))
@@ -186,145 +174,17 @@ class Conversions:
         return from_ros
 
     def _read(self, kind: Any, ros_kind: str, where: str) -> Read:
-        if found := _LIST.fullmatch(ros_kind):
+        if found := LIST.fullmatch(ros_kind):
             element = found["array"] or found["sequence"]
-            if element in _TYPECODES:
-                return _numbers_back
+            if element in TYPECODES:
+                return numbers_back
             each = self._read(_element(kind), element, where)
             return lambda values: tuple(map(each, values))
         if "/" not in ros_kind:
-            return _basic(ros_kind, where)[1]
+            return basic_kind(ros_kind, where)[1]
         if kind in self._registered:
             return self._registered[kind].from_ros
         return self._reader(kind, _ros_class(ros_kind))
-
-
-def as_float(value: Any, where: str) -> float:
-    """The number as a float, NaN included.
-
-    Raises:
-        TypeError: it is none; a bool and a text are none.
-        ValueError: it is too large.
-    """
-    if type(value) is float:
-        return value
-    # numpy's scalars are numbers here, and a bool would be one too.
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise _wrong(value, where, "numbers")
-    try:
-        return float(value)
-    except OverflowError:
-        raise ValueError(f"{where} takes numbers that a float can hold") from None
-
-
-def as_floats(value: Any, where: str) -> Sequence[float]:
-    """The numbers of a list, a tuple or an array as floats; as in `as_float`."""
-    values = _as_list(value, where)
-    return values if _all_floats(map(type, values)) else [as_float(one, where) for one in values]
-
-
-def as_int(value: Any, where: str, low: int, high: int) -> int:
-    """The whole number.
-
-    Raises:
-        TypeError: it is none.
-        ValueError: it is not within the two.
-    """
-    if not isinstance(value, Integral) or isinstance(value, bool):
-        raise _wrong(value, where, "whole numbers")
-    number = int(value)
-    if not low <= number <= high:
-        raise ValueError(f"{where} takes whole numbers from {low} to {high}")
-    return number
-
-
-def as_message(value: Any, where: str, kind: type) -> Any:
-    """The message.
-
-    Raises:
-        TypeError: it is of another type.
-    """
-    if not isinstance(value, kind):
-        raise _wrong(value, where, f"messages of type {kind.__name__}")
-    return value
-
-
-def as_text(value: Any, where: str) -> str:
-    """The text.
-
-    Raises:
-        TypeError: it is none.
-        ValueError: it has a character that ROS cannot send: NUL, or half a surrogate pair.
-    """
-    if not isinstance(value, str):
-        raise _wrong(value, where, "text")
-    if "\0" in value or not (value.isascii() or _encodable(value)):
-        raise ValueError(f"{where} takes text without NUL and without lone surrogates")
-    return value
-
-
-def _encodable(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def _as_float32(value: Any, where: str) -> float:
-    number = as_float(value, where)
-    # What is infinite or NaN may stay so; only what would silently become infinite may not.
-    if _FLOAT32_MAX < abs(number) < float("inf"):
-        raise ValueError(f"{where} takes numbers that a 32-bit float can hold")
-    return number
-
-
-def _as_bool(value: Any, where: str) -> bool:
-    if not isinstance(value, bool):
-        raise _wrong(value, where, "True or False")
-    return value
-
-
-def _as_octet(value: Any, where: str) -> bytes:
-    return bytes((as_int(value, where, 0, 255),))
-
-
-def _as_list(value: Any, where: str) -> Sequence[Any]:
-    if isinstance(value, list | tuple):
-        return value
-    # numpy's arrays and those of the standard library; a text is no list of texts.
-    if isinstance(value, Iterable) and hasattr(value, "tolist"):
-        return list(value.tolist())
-    raise _wrong(value, where, "a tuple")
-
-
-def _int_check(bits: int, *, signed: bool) -> Check:
-    low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
-
-    def check(value: Any, where: str) -> int:
-        # The usual case without a second call.
-        if type(value) is int and low <= value <= high:
-            return value
-        return as_int(value, where, low, high)
-
-    return check
-
-
-def _list_check(element: str, each: Check, size: int | None) -> Check:
-    typecode = _TYPECODES.get(element)
-    whole = as_floats if typecode == "d" else None
-
-    def check(value: Any, where: str) -> Any:
-        if whole:
-            values: Any = whole(value, where)
-        else:
-            values = [each(one, where) for one in _as_list(value, where)]
-        if size is not None and len(values) != size:
-            raise ValueError(f"{where} takes {size} elements, not {len(values)}")
-        # The setter takes an array as it is; it would look at each element of a list.
-        return values if size is not None or not typecode else array(typecode, values)
-
-    return check
 
 
 def _checked_by(converter: Converter) -> Check:
@@ -336,45 +196,8 @@ def _checked_by(converter: Converter) -> Check:
     return check
 
 
-def _wrong(value: object, where: str, wanted: str) -> TypeError:
-    found = "None" if value is None else type(value).__name__
-    return TypeError(f"{where} takes {wanted}, not {found}")
-
-
 def _same(value: Any) -> Any:
     return value
-
-
-def _numbers_back(values: Any) -> tuple[Any, ...]:
-    return tuple(values.tolist())
-
-
-# A sequence without a limit, or an array of a fixed size.
-_LIST = re.compile(r"sequence<(?P<sequence>[\w/]+)>|(?P<array>[\w/]+)\[(?P<size>\d+)\]")
-
-# What ROS keeps in an array of numbers, and Python's typecode for it.
-_TYPECODES = {
-    "double": "d",
-    "float": "f",
-    **{f"int{bits}": code for bits, code in ((8, "b"), (16, "h"), (32, "i"), (64, "q"))},
-    **{f"uint{bits}": code for bits, code in ((8, "B"), (16, "H"), (32, "I"), (64, "Q"))},
-}
-
-_BASIC: dict[str, tuple[Check, Read]] = {
-    "boolean": (_as_bool, bool),
-    "double": (as_float, float),
-    "float": (_as_float32, float),
-    "octet": (_as_octet, lambda value: value[0]),
-    "string": (as_text, str),
-    **{f"int{bits}": (_int_check(bits, signed=True), int) for bits in (8, 16, 32, 64)},
-    **{f"uint{bits}": (_int_check(bits, signed=False), int) for bits in (8, 16, 32, 64)},
-}
-
-
-def _basic(ros_kind: str, where: str) -> tuple[Check, Read]:
-    if ros_kind not in _BASIC:
-        raise TypeError(f"{where} is of type {ros_kind} in ROS: it takes a Converter by hand")
-    return _BASIC[ros_kind]
 
 
 def _fields(msg_type: type, ros_type: Any) -> list[tuple[str, Any, str]]:

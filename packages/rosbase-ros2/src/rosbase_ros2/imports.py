@@ -15,7 +15,7 @@ def check_rclpy() -> None:
             what to install.
     """
     try:
-        import rclpy  # noqa: F401, PLC0415
+        import rclpy  # noqa: F401, PLC0415 - only to see whether it can be
     except Exception as error:
         raise NotInstalledError(_explain(error)) from error
 

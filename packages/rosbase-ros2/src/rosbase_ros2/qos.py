@@ -1,12 +1,13 @@
 """What a topic's `qos` means: a depth, or a profile of rclpy."""
 
+import sys
 from typing import Any
 
-from rclpy.qos import QoSProfile
+from rclpy.qos import HistoryPolicy, QoSProfile
 
 from rosbase.errors import BackendError
 
-__all__ = ["to_profile"]
+__all__ = ["queue_depth", "to_profile"]
 
 
 def to_profile(qos: Any, topic: str) -> QoSProfile:
@@ -22,3 +23,8 @@ def to_profile(qos: Any, topic: str) -> QoSProfile:
     raise BackendError(
         f"the qos of {topic!r} is a depth from 1 up or an rclpy QoSProfile, not {qos!r}"
     )
+
+
+def queue_depth(profile: QoSProfile) -> int:
+    """How many messages may wait for the callback; of a history that keeps all, any number."""
+    return sys.maxsize if profile.history is HistoryPolicy.KEEP_ALL else max(1, profile.depth)
