@@ -7,6 +7,7 @@ from rosbase.backend import Backend, BackendOptions
 __all__ = [
     "BACKEND_VARIABLE",
     "DEFAULT_BACKEND",
+    "backend_name",
     "lone_node_name",
     "name_lone_nodes",
     "open_backend",
@@ -16,6 +17,11 @@ BACKEND_VARIABLE = "ROSBASE_BACKEND"
 """The environment variable that names the backend where a program does not."""
 
 DEFAULT_BACKEND = "local"
+
+
+def backend_name(chosen: str | None = None) -> str:
+    """The name of the backend to use: the chosen one, what the environment says, or `local`."""
+    return chosen or os.environ.get(BACKEND_VARIABLE) or DEFAULT_BACKEND
 
 
 def open_backend(backend: str | Backend | None, options: BackendOptions) -> Backend:
@@ -29,8 +35,7 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     # Only now: finding plugins takes longer than everything else that `import rosbase` does.
     from rosbase.plugins import installed_plugins
 
-    name = backend or os.environ.get(BACKEND_VARIABLE) or DEFAULT_BACKEND
-    return installed_plugins().backend(name).create(options)
+    return installed_plugins().backend(backend_name(backend)).create(options)
 
 
 _lone_name = ""

@@ -20,4 +20,4 @@ def _create(options: BackendOptions) -> Backend:
 @hookimpl
 def rosbase_backends() -> Iterable[BackendPlugin]:
     """The backend on rclpy."""
-    yield BackendPlugin("ros2", "a ROS 2 node, by rclpy", _create)
+    yield BackendPlugin("ros2", "a ROS 2 node, by rclpy", _create, arguments_after="--ros-args")

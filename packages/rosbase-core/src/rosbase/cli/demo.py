@@ -6,7 +6,6 @@ from typing import Any
 from rosbase.cli.arguments import number_between, positive_number
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.output import Output
-from rosbase.cli.report import summary_lines
 from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
 from rosbase.errors import NotInstalledError
 from rosbase.imu.simulator import ImuSimulator
@@ -115,7 +114,7 @@ class DemoManager(ReaderManager):
     ) -> None:
         """Builds the run."""
         self._simulator = simulator
-        super().__init__(parameters, log, simulator=simulator, **kwargs)
+        super().__init__(parameters, log, simulator=simulator, listens=True, **kwargs)
 
     def request_stop(self) -> None:
         """Has the handlers end the run in good order."""
@@ -129,5 +128,6 @@ class DemoManager(ReaderManager):
         """The lines at the end of the run, and how many were sent and lost."""
         sent = self._simulator.sent
         lost = sent - self.reader.counts.received
-        lines = summary_lines(self.reader, self.dropped, self.monitor.latency)
-        return [f"sent {sent}", f"lost {lost}", *lines]
+        # The simulated device stamps what it sends, so its time counts.
+        latency = self.monitor.latency if self.monitor else None
+        return [f"sent {sent}", f"lost {lost}", *self._summary(latency)]

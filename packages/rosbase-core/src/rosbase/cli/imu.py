@@ -37,6 +37,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="print each sample as one line of JSON; everything else goes to stderr",
     )
+    parser.add_argument(
+        "--managed",
+        action="store_true",
+        help="start unconfigured, for others to bring it up, and show nothing but the log",
+    )
     parser.add_argument("--backend", help="what carries the topics (default: local)")
     parser.add_argument(
         "--list-parameters", action="store_true", help="list the parameters and end"
@@ -56,12 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     given = read_given(arguments.assignments, arguments.params_file)
     # First, because a transport that is not installed leaves its parameters unknown.
     registry.transport(str(given["comm_t"].value) if "comm_t" in given else DEFAULT_TRANSPORT)
-    parameters = _OWN_DEFAULTS | check_given(specs, given)
     manager = ReaderManager(
-        parameters,
+        check_given(specs, given),
         log,
         backend=arguments.backend,
         echoes=arguments.topic_echo,
+        is_quiet=arguments.managed,
         duration_s=arguments.duration,
+        parameter_defaults={} if arguments.managed else _OWN_DEFAULTS,
     )
     return run_to_end(manager)

@@ -28,12 +28,13 @@ class SampleMonitor(BaseNode):
         self,
         manager: Any = None,
         *args: Any,
-        topic_namespace: str = "imu",
         echo: Callable[[str], object] | None = None,
         **kwargs: Any,
     ) -> None:
         """Subscribes; with `echo`, hands it each sample as a line of JSON."""
         super().__init__(manager, *args, **kwargs)
+        # The parameters of the reader are those of the manager that they share.
+        topic_namespace = self.get_parameter("topic_namespace").value
         self._now_ns = self.get_clock().now_ns
         self._echo = echo
         self.last: Imu | MagneticField | None = None

@@ -7,7 +7,9 @@ from importlib.metadata import version
 from typing import TextIO
 
 from rosbase.cli.arguments import OneLineParser
+from rosbase.cli.backend_arguments import check_taken, split_arguments
 from rosbase.cli.output import own_stdio
+from rosbase.connection import backend_name
 from rosbase.errors import ConfigurationError, RosbaseError
 from rosbase.plugins import CommandPlugin, installed_plugins
 
@@ -48,7 +50,9 @@ def _run(arguments: list[str]) -> int:
 
 
 def _run_command(arguments: list[str]) -> int:
-    commands = installed_plugins().commands
+    registry = installed_plugins()
+    commands = registry.commands
+    arguments, backend_arguments = split_arguments(arguments, registry.backends)
     parser = OneLineParser(
         prog="rosbase", description="A framework for robot applications, with or without ROS."
     )
@@ -67,6 +71,7 @@ def _run_command(arguments: list[str]) -> int:
         return 0
     if parsed.command is None:
         parser.error(f"say what to do: {', '.join(sorted(commands))}; --help says more")
+    check_taken(backend_arguments, backend_name(getattr(parsed, "backend", None)))
     return commands[parsed.command].run(parsed)
 
 

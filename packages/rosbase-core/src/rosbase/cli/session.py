@@ -11,9 +11,11 @@ from rosbase.cli.output import Output
 from rosbase.cli.report import status_line, summary_lines
 from rosbase.connection import open_backend
 from rosbase.handlers import BaseHandlers
+from rosbase.histogram import Histogram
 from rosbase.imu.reader import DEFAULT_NODE_NAME, ImuReader
 from rosbase.lifecycle import State
 from rosbase.manager import BaseManager
+from rosbase.node import BaseNode
 from rosbase.parameters import ParameterValue
 
 __all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
@@ -48,23 +50,24 @@ class ReaderHandlers(BaseHandlers):
         if self._start_ns is None:
             self._start_ns = self._shown_ns = now_ns
         self.manager.flush()
-        if now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9:
+        if self.manager.is_quiet:
+            pass
+        elif now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9:
             self._show(now_ns)
         if self._duration_s is not None and now_ns - self._start_ns >= self._duration_s * 1e9:
             self.manager.request_stop()
 
     def _show(self, now_ns: int) -> None:
         reader, monitor = self.manager.reader, self.manager.monitor
+        last = monitor.last if monitor else None
         published = reader.counts.published
         rate_hz = (published - self._published) * 1e9 / (now_ns - self._shown_ns)
         self._published, self._shown_ns = published, now_ns
-        self.manager.live_line.show(
-            status_line(reader, monitor.last, self.manager.dropped, rate_hz)
-        )
+        self.manager.live_line.show(status_line(reader, last, self.manager.dropped, rate_hz))
 
 
 class ReaderManager(BaseManager):
-    """The reader and a monitor of what it publishes, on any backend."""
+    """The reader on any backend, and a monitor of what it publishes where one is needed."""
 
     def __init__(
         self,
@@ -74,6 +77,8 @@ class ReaderManager(BaseManager):
         backend: str | None = None,
         handlers_class: type[ReaderHandlers] = ReaderHandlers,
         echoes: bool = False,
+        listens: bool = False,
+        is_quiet: bool = False,
         **kwargs: Any,
     ) -> None:
         """Builds the run.
@@ -84,21 +89,27 @@ class ReaderManager(BaseManager):
             backend: Its name.
             handlers_class: What decides when the run ends.
             echoes: Whether stdout gets every sample, as a line of JSON.
+            listens: Whether there is a monitor even if listening costs something.
+            is_quiet: Whether nothing is shown but the log.
             kwargs: For the handlers, such as `duration_s`.
         """
         self._log = log
         self._stdout = Output(sys.stdout)
         self._report = log if echoes else self._stdout
         self._echoes = echoes
+        self.is_quiet = is_quiet
         self.live_line = LiveLine(self._report)
+        opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
+        nodes: dict[str, type[BaseNode]] = {DEFAULT_NODE_NAME: ImuReader}
+        if echoes or listens or opened.delivers_in_process:
+            nodes["monitor"] = SampleMonitor
         super().__init__(
             node_name=DEFAULT_NODE_NAME,
-            nodes_dict={DEFAULT_NODE_NAME: ImuReader, "monitor": SampleMonitor},
+            nodes_dict=nodes,
             handlers_class=handlers_class,
             node_freq_hz=_TICKS_HZ,
-            backend=open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters)),
+            backend=opened,
             echo=self._print_sample if echoes else None,
-            topic_namespace=parameters.get("topic_namespace", "imu"),
             **kwargs,
         )
 
@@ -109,10 +120,9 @@ class ReaderManager(BaseManager):
         return reader
 
     @property
-    def monitor(self) -> SampleMonitor:
-        """What listens to it."""
-        monitor: SampleMonitor = self.nodes["monitor"]
-        return monitor
+    def monitor(self) -> SampleMonitor | None:
+        """What listens to it, if anything does."""
+        return self.nodes.get("monitor")
 
     def release_resources(self) -> None:
         """Hands over what was published last, and reports."""
@@ -121,7 +131,8 @@ class ReaderManager(BaseManager):
         if self._echoes:
             self._stdout.drain(_LAST_WRITE_S, self.backend.clock)
         self.live_line.end()
-        self._report.write("".join(f"{line}\n" for line in self.summary()))
+        if not self.is_quiet:
+            self._report.write("".join(f"{line}\n" for line in self.summary()))
         for output in (self._stdout, self._log):
             output.drain(_LAST_WRITE_S, self.backend.clock)
 
@@ -135,7 +146,8 @@ class ReaderManager(BaseManager):
     @property
     def dropped(self) -> int:
         """Samples that were published, and lost on the way to whoever wanted them."""
-        return self.monitor.dropped + (self._stdout.dropped if self._echoes else 0)
+        lost_on_the_way = self.monitor.dropped if self.monitor else 0
+        return lost_on_the_way + (self._stdout.dropped if self._echoes else 0)
 
     @property
     def output_error(self) -> str:
@@ -144,8 +156,10 @@ class ReaderManager(BaseManager):
 
     def summary(self) -> list[str]:
         """The lines at the end of the run."""
-        measures_latency = not self.reader.settings.uses_device_time
-        latency = self.monitor.latency if measures_latency else None
+        stamps_arrival = not self.reader.settings.uses_device_time
+        return self._summary(self.monitor.latency if self.monitor and stamps_arrival else None)
+
+    def _summary(self, latency: Histogram | None) -> list[str]:
         return list(summary_lines(self.reader, self.dropped, latency))
 
     @property

@@ -17,6 +17,8 @@ MessageT = TypeVar("MessageT")
 class LocalBackend(Backend):
     """A node's connection to the other nodes of this process."""
 
+    delivers_in_process = True
+
     def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
         """Opens it on the bus of this process, or on one of the caller's own."""
         super().__init__(options.clock)

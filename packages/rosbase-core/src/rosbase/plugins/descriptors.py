@@ -36,6 +36,8 @@ class BackendPlugin:
     """What it is, in half a line."""
     create: Callable[[BackendOptions], Backend] = field(validator=validators.is_callable())
     """Opens one."""
+    arguments_after: str = field(default="", validator=validators.instance_of(str))
+    """After this word on a command line stand arguments of its own, such as `--ros-args`."""
 
 
 @frozen

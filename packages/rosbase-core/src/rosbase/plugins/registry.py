@@ -56,6 +56,11 @@ class PluginRegistry:
         return self._plugins
 
     @property
+    def backends(self) -> Mapping[str, BackendPlugin]:
+        """The backends by name."""
+        return self._of(BackendPlugin)
+
+    @property
     def transports(self) -> Mapping[str, TransportPlugin]:
         """The transports that can be used, by name."""
         return self._of(TransportPlugin)

@@ -1,0 +1,49 @@
+"""Arguments on the command line that are for the backend, such as those after `--ros-args`."""
+
+from collections.abc import Mapping, Sequence
+
+from rosbase.errors import ConfigurationError
+from rosbase.plugins import BackendPlugin
+
+__all__ = ["check_taken", "split_arguments"]
+
+_END = "--"
+
+
+def split_arguments(
+    arguments: Sequence[str], backends: Mapping[str, BackendPlugin]
+) -> tuple[list[str], dict[str, str]]:
+    """The arguments of the command itself, and who takes the others.
+
+    A backend's own stand behind its word, up to `--` or the end. It finds them by itself.
+
+    Returns:
+        What is left, and each word that was found with the name of its backend.
+    """
+    words = {plugin.arguments_after: name for name, plugin in backends.items()}
+    own: list[str] = []
+    found: dict[str, str] = {}
+    within = False
+    for argument in arguments:
+        if argument and argument in words:
+            found[argument] = words[argument]
+            within = True
+        elif not within:
+            own.append(argument)
+        elif argument == _END:
+            within = False
+    return own, found
+
+
+def check_taken(found: Mapping[str, str], backend: str) -> None:
+    """Sees to it that no argument is lost in silence.
+
+    Raises:
+        ConfigurationError: There are arguments of a backend that is not the chosen one.
+    """
+    for word, name in found.items():
+        if name != backend:
+            raise ConfigurationError(
+                f"what follows {word} is for the backend {name}, and this is {backend}:"
+                f" add --backend {name}"
+            )

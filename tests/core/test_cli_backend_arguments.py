@@ -1,0 +1,49 @@
+"""Arguments that are not the command's own, but the backend's."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase.backend import Backend, BackendOptions
+from rosbase.cli.backend_arguments import check_taken, split_arguments
+from rosbase.errors import ConfigurationError
+from rosbase.plugins import BackendPlugin
+
+
+def never(options: BackendOptions) -> Backend:
+    raise AssertionError
+
+
+BACKENDS = {
+    "plain": BackendPlugin("plain", "has none of its own", never),
+    "far": BackendPlugin("far", "has some", never, arguments_after="--far-args"),
+}
+WORDS = st.lists(st.sampled_from(["-p", "a:=b", "--far-args", "--", ""]))
+
+
+def test_what_follows_the_word_of_a_backend_is_not_for_the_command() -> None:
+    own, found = split_arguments(["imu", "-p", "a:=b", "--far-args", "-p", "c:=d"], BACKENDS)
+    assert own == ["imu", "-p", "a:=b"]
+    assert found == {"--far-args": "far"}
+
+
+def test_two_dashes_end_it() -> None:
+    own, _ = split_arguments(["imu", "--far-args", "-p", "c:=d", "--", "--duration", "1"], BACKENDS)
+    assert own == ["imu", "--duration", "1"]
+
+
+@given(WORDS)
+def test_what_is_left_is_in_order_and_without_the_word(words: list[str]) -> None:
+    own, found = split_arguments(words, BACKENDS)
+    rest = iter(words)
+    assert all(word in rest for word in own)
+    assert "--far-args" not in own
+    assert bool(found) is ("--far-args" in words)
+    if not found:
+        assert own == words
+
+
+def test_arguments_of_another_backend_than_the_chosen_one_are_an_error() -> None:
+    check_taken({"--far-args": "far"}, "far")
+    with pytest.raises(ConfigurationError, match="--far-args is for the backend far, and this is"):
+        check_taken({"--far-args": "far"}, "plain")
