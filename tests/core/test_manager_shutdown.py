@@ -116,6 +116,29 @@ def test_a_node_that_is_up_already_is_left_up() -> None:
     assert manager.timestamp == 5
 
 
+def test_who_is_to_stop_while_a_node_is_configured_does_not_activate_it_first() -> None:
+    trace: list[str] = []
+
+    class Device(LifecycleNode):
+        autostart = "activate"
+
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            trace.append("configure")
+            self.manager.request_stop()
+            return CallbackReturn.SUCCESS
+
+        def on_activate(self, previous_state: State) -> CallbackReturn:
+            trace.append("activate")
+            return CallbackReturn.SUCCESS
+
+        def on_cleanup(self, previous_state: State) -> CallbackReturn:
+            trace.append("cleanup")
+            return CallbackReturn.SUCCESS
+
+    BaseManager(nodes_dict={"d": Device}, backend=virtual_backend()).start_main_loop_timer()
+    assert trace == ["configure", "cleanup"]
+
+
 def test_an_exception_in_user_code_cleans_up_and_is_raised() -> None:
     class Bad(BaseHandlers):
         def handle(self) -> None:

@@ -150,8 +150,10 @@ class LifecycleNode(BaseNode):
         """
         return self._drive(lambda: self._machine.request(transition_id, label))
 
-    def bring_up(self) -> bool:
+    def bring_up(self, stopping: Callable[[], object] = lambda: False) -> bool:
         """Brings the node as far as its `autostart` says; tells whether it got there.
+
+        It goes no farther once `stopping` says so.
 
         Raises:
             ValueError: `autostart` says something else.
@@ -166,6 +168,8 @@ class LifecycleNode(BaseNode):
             if not any(t.label == label for t in self.get_available_transitions()):
                 # It has been brought so far, or farther, already.
                 continue
+            if stopping():
+                return False
             if self.request_transition(label=label) is not CallbackReturn.SUCCESS:
                 return False
         return True

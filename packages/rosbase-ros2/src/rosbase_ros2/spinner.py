@@ -55,6 +55,8 @@ class Spinner:
 
     def close(self) -> bool:
         """Ends the thread; tells whether it has ended within two seconds."""
+        # What is ready goes first, such as the answer to who asked for the last transition.
+        self.call(_nothing)
         self._ending = True
         self.executor.create_task(_nothing)
         if threading.current_thread() is not self._thread:

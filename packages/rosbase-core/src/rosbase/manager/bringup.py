@@ -19,7 +19,7 @@ def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> 
     for index, node in enumerate(nodes):
         if stopping():
             return False
-        if not node.bring_up():
+        if not node.bring_up(stopping):
             _take_down(nodes[: index + 1], finalize=False)
             return False
     return True
