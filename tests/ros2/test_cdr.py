@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 
 from rosbase.messages import Header, Imu, MagneticField, Quaternion, Time, Twist, Vector3
-from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder
+from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
 from rosbase_ros2.conversion import Conversions
 from support import strategies
 
@@ -35,6 +35,18 @@ def test_the_bytes_are_those_of_ros(message: Any) -> None:
     assert ENCODERS[type(message)].encode(message) == by_ros(message)
     # The second time by the layout that was kept.
     assert ENCODERS[type(message)].encode(message) == by_ros(message)
+
+
+@given(strategies.messages[Imu])
+def test_a_sample_is_sent_as_the_message_with_its_numbers_would_be(imu: Imu) -> None:
+    template = attrs.evolve(imu, header=Header(frame_id=imu.header.frame_id))
+    sample = [
+        attrs.astuple(part)
+        for part in (imu.orientation, imu.angular_velocity, imu.linear_acceleration)
+    ]
+    stamp_ns = imu.header.stamp.nanoseconds % 2**61
+    whole = attrs.evolve(imu, header=Header(Time.from_nanoseconds(stamp_ns), imu.header.frame_id))
+    assert sample_packer(template)(stamp_ns, *sample) == by_ros(whole)
 
 
 @pytest.mark.parametrize("length", range(17))

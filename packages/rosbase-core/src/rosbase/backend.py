@@ -1,7 +1,7 @@
 """The backend contract: what connects a manager or a lone node to the world.
 
-Must implement: every abstract method. May implement: `create_timer` and `destroy_timer`, where
-the world has a time of its own. Never override: the rest, which is the executor's.
+Must implement: every abstract method. May implement: those under that head, where the world has
+more to it than this process. Never override: the rest, which is the executor's.
 
 Threads: one thread spins the executor, and every callback runs on it. What arrives on threads
 of the backend's own is handed over with `call_soon`. `publish`, `call_soon` and the destroying
@@ -17,7 +17,9 @@ from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.executor import Executor, ExecutorTimer
+from rosbase.imu_sender import ImuSender, message_sender
 from rosbase.lifecycle import ManagedNode
+from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
@@ -86,6 +88,10 @@ class BackendOptions:
 
 class Backend(ABC):
     """A connection to the world, for one manager or one lone node."""
+
+    delivers_in_process = False
+    """Whether messages get to this process's own subscriptions without leaving it, so that
+    listening costs next to nothing."""
 
     def __init__(self, clock: Clock) -> None:
         """Starts with an executor that nobody spins yet."""
@@ -156,6 +162,14 @@ class Backend(ABC):
 
         Called once for each, when it is built; the node is unconfigured then.
         """
+
+    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+        """What publishes samples that are like `template` but for their stamp and numbers.
+
+        A backend that can send them without building a message for each overrides it. What it
+        gives may be called from any thread, one at a time.
+        """
+        return message_sender(publisher.publish, template)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
         """A timer with absolute deadlines; calls that were missed are skipped, not caught up.

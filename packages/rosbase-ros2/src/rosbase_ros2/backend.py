@@ -10,7 +10,9 @@ from rclpy.signals import SignalHandlerOptions
 from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.clock import SystemClock
 from rosbase.errors import BackendError
+from rosbase.imu_sender import ImuSender
 from rosbase.lifecycle import ManagedNode
+from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Conversions
@@ -131,6 +133,12 @@ class Ros2Backend(Backend):
             )
             return
         self._services.append(LifecycleServices(self.node, node, self.call_soon))
+
+    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+        """What sends samples as bytes."""
+        if isinstance(publisher, RosPublisher):
+            return publisher.imu_sender(template)
+        return super().imu_sender(publisher, template)
 
     def close(self) -> None:
         """Ends everything, in bounded time; what was published is delivered first."""

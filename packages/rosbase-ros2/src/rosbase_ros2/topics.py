@@ -3,9 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
+from rosbase.imu_sender import ImuSender
 from rosbase.messages import Imu, MagneticField
 from rosbase.queued_subscription import QueuedSubscription
-from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder
+from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
 from rosbase_ros2.conversion import Converter
 
 __all__ = ["RosPublisher", "RosSubscription"]
@@ -45,6 +46,17 @@ class RosPublisher:
         send = self._send
         if send is not None:
             send(self._to_ros(message))
+
+    def imu_sender(self, template: Imu) -> ImuSender:
+        """What sends samples that are like the template; nothing once the publisher has ended."""
+        pack = sample_packer(template)
+
+        def send_sample(*sample: Any) -> None:
+            send = self._send
+            if send is not None:
+                send(pack(*sample))
+
+        return send_sample
 
     def close(self) -> None:
         """Sends nothing from here on."""

@@ -3,25 +3,20 @@
 from collections.abc import Mapping
 from typing import Any
 
+import attrs
+
 from rosbase.backend import Timer
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.health import Health, HealthLevel, judge_health
-from rosbase.imu.mapping import Sample, SampleReader
+from rosbase.imu.mapping import SampleReader
+from rosbase.imu.outlet import Outlet, Publishers
 from rosbase.imu.plausibility import Plausibility
 from rosbase.imu.rejects import IGNORED, REASONS, Reject
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.lifecycle_node import LifecycleNode, LifecyclePublisher
-from rosbase.messages import (
-    COVARIANCE_NOT_REPORTED,
-    Header,
-    Imu,
-    MagneticField,
-    Quaternion,
-    Time,
-    Vector3,
-)
+from rosbase.parameters import ParameterValue
 from rosbase.plugins import PluginRegistry, installed_plugins
 from rosbase.transport import Transport, TransportContext, TransportHealth
 
@@ -29,11 +24,11 @@ __all__ = ["DEFAULT_NODE_NAME", "ImuReader"]
 
 DEFAULT_NODE_NAME = "lifecycle_manager"
 
-_DEPTH = 1000
+# Ten seconds of a fast IMU, for a subscriber that stalls.
+_DEPTH = 10_000
 _HEALTH_PERIOD_S = 0.5
 _REJECT_LOG_S = 5.0
-_NO_ORIENTATION = Quaternion()
-_NO_VECTOR = Vector3()
+_NO_DEFAULTS: Mapping[str, ParameterValue] = {}
 
 
 class ImuReader(LifecycleNode):
@@ -48,9 +43,21 @@ class ImuReader(LifecycleNode):
     """
 
     def __init__(
-        self, manager: Any = None, *args: Any, registry: PluginRegistry | None = None, **kwargs: Any
+        self,
+        manager: Any = None,
+        *args: Any,
+        registry: PluginRegistry | None = None,
+        parameter_defaults: Mapping[str, ParameterValue] = _NO_DEFAULTS,
+        **kwargs: Any,
     ) -> None:
         """Declares the parameters, those of every installed transport too.
+
+        Args:
+            manager: The manager, if it has one.
+            args: Ignored, as in `BaseNode`.
+            registry: Where transports and presets come from; the installed plugins by default.
+            parameter_defaults: Defaults of its parameters that are not the usual ones.
+            kwargs: As in `BaseNode`.
 
         Raises:
             ConfigurationError: They ask for what is not installed, or contradict each other.
@@ -58,12 +65,14 @@ class ImuReader(LifecycleNode):
         super().__init__(manager, *args, **kwargs)
         self._registry = registry or installed_plugins()
         for spec in reader_parameters(self._registry):
-            self.declare_parameter(spec.name, spec.default, spec)
+            default = parameter_defaults.get(spec.name, spec.default)
+            self.declare_parameter(spec.name, default, attrs.evolve(spec, default=default))
         self.autostart = self._value("autostart")
         self._settings = self._read_settings()
         self._counts = Counts()
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
+        self._outlet: Outlet | None = None
         self._before = self.counts
         self._monitor: Timer | None = None
         self._activated_ns = 0
@@ -106,7 +115,12 @@ class ImuReader(LifecycleNode):
             return CallbackReturn.FAILURE
         self._replace_transport(transport)
         self._prepare(settings)
-        self._create_publishers(settings.topic_namespace)
+        self._outlet = Outlet(
+            Publishers(self._publisher, settings.topic_namespace),
+            lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
+            settings.frame_id,
+            settings.covariances,
+        )
         return CallbackReturn.SUCCESS
 
     def on_activate(self, previous_state: State) -> CallbackReturn:
@@ -168,11 +182,6 @@ class ImuReader(LifecycleNode):
             self._counts.add(reason, number)
         self._transport = transport
 
-    def _create_publishers(self, namespace: str) -> None:
-        self._data = self._publisher(Imu, f"{namespace}/data")
-        self._data_raw = self._publisher(Imu, f"{namespace}/data_raw")
-        self._mag = self._publisher(MagneticField, f"{namespace}/mag")
-
     def _publisher(self, msg_type: type, topic: str) -> LifecyclePublisher:
         publisher = self.create_publisher(msg_type, topic, _DEPTH)
         self._publishers.append(publisher)
@@ -190,7 +199,6 @@ class ImuReader(LifecycleNode):
         self._read_sample: SampleReader = settings.mapping.compile(
             device_time=settings.uses_device_time
         )
-        self._covariances: Mapping[str, Any] = settings.covariances
         self._uses_device_time = settings.uses_device_time
         self._plausibility = None if settings.plausibility == "off" else Plausibility()
         self._refuses_implausible = settings.plausibility == "reject"
@@ -205,40 +213,15 @@ class ImuReader(LifecycleNode):
             if self._refuses_implausible and self._plausibility.finding:
                 self._drop(Reject("implausible", self._plausibility.finding), frame)
                 return
-        if self._publish(sample, stamp_ns):
-            self._counts.published += 1
-        else:
-            self._counts.add("not_active")
-
-    def _publish(self, sample: Sample, stamp_ns: int) -> bool:
         if self._uses_device_time:
             if sample.device_time_ns is None:
                 self._counts.time_unusable += 1
             else:
                 stamp_ns = sample.device_time_ns
-        header = Header(Time.from_nanoseconds(stamp_ns), self._settings.frame_id)
-        sent = False
-        if sample.angular_velocity or sample.linear_acceleration or sample.orientation:
-            publisher = self._data if sample.orientation else self._data_raw
-            sent = publisher.publish(self._to_imu(sample, header))
-        if sample.magnetic_field:
-            field = Vector3(*sample.magnetic_field)
-            covariance = self._covariances["magnetic_field"]
-            sent = self._mag.publish(MagneticField(header, field, covariance)) or sent
-        return sent
-
-    def _to_imu(self, sample: Sample, header: Header) -> Imu:
-        orientation, angular, linear, _, _ = sample
-        known = self._covariances
-        return Imu(
-            header,
-            Quaternion(*orientation) if orientation else _NO_ORIENTATION,
-            known["orientation"] if orientation else COVARIANCE_NOT_REPORTED,
-            Vector3(*angular) if angular else _NO_VECTOR,
-            known["angular_velocity"] if angular else COVARIANCE_NOT_REPORTED,
-            Vector3(*linear) if linear else _NO_VECTOR,
-            known["linear_acceleration"] if linear else COVARIANCE_NOT_REPORTED,
-        )
+        if self._outlet is not None and self._outlet.publish(sample, stamp_ns):
+            self._counts.published += 1
+        else:
+            self._counts.add("not_active")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)

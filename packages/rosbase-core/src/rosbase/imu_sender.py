@@ -1,0 +1,43 @@
+"""Samples of an IMU on their way out: what is the same in all of them is prepared once."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from rosbase.messages import Header, Imu, Quaternion, Time, Vector3
+
+__all__ = ["ImuSender", "message_sender"]
+
+ImuSender: TypeAlias = Callable[[int, Sequence[float], Sequence[float], Sequence[float]], object]
+"""`send(stamp_ns, orientation, angular_velocity, linear_acceleration)`: publishes one sample.
+
+The stamp in nanoseconds since the epoch; x, y, z, w of a unit quaternion; x, y, z in rad/s; x, y, z
+in m/s^2. The caller has seen to it that all are floats and finite, so that nobody need check again.
+"""
+
+
+def message_sender(publish: Callable[[Imu], object], template: Imu) -> ImuSender:
+    """What publishes a message for each sample; frame and covariances are the template's."""
+    frame_id = template.header.frame_id
+    of_orientation = template.orientation_covariance
+    of_velocity = template.angular_velocity_covariance
+    of_acceleration = template.linear_acceleration_covariance
+
+    def send(
+        stamp_ns: int,
+        orientation: Sequence[float],
+        angular_velocity: Sequence[float],
+        linear_acceleration: Sequence[float],
+    ) -> None:
+        publish(
+            Imu(
+                Header(Time.from_nanoseconds(stamp_ns), frame_id),
+                Quaternion(*orientation),
+                of_orientation,
+                Vector3(*angular_velocity),
+                of_velocity,
+                Vector3(*linear_acceleration),
+                of_acceleration,
+            )
+        )
+
+    return send
