@@ -68,7 +68,7 @@ def tests(session: nox.Session, distribution: str) -> None:
 def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
     session.install(*TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "rosbase-ros2")
+    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
     session.run("pytest", "-q", "tests/ros2", *session.posargs)
 
 
@@ -142,6 +142,6 @@ def build(session: nox.Session) -> None:
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing written by hand; prints tables."""
-    _install_wheels(session, "rosbase-core", "imu-serial")
+    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
         session.run("python", str(benchmark), *session.posargs)
