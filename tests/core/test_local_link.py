@@ -9,11 +9,15 @@ from typing import Any
 import pytest
 from attrs import frozen
 
-from rosbase.backend import BackendOptions
+from rosbase.backend import BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 from rosbase.local.link import Link
 from rosbase.messages import Header, Imu, Time, Vector3
+from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, qos_profile_sensor_data
 from support.waiting import wait_until
+
+LATCHED = QoSProfile(3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Side:
@@ -25,6 +29,12 @@ class Side:
         self.backend = LocalBackend(BackendOptions(name), self.bus)
         connection: Connection[Any, Any] = Connection(end.detach())
         self.link = Link(self.bus, connection, name, lambda *record: self.records.append(record))
+
+    def subscribe(self, topic: str, profile: int | QoSProfile) -> list[int]:
+        """A new subscription: the list into which its messages go, as numbers."""
+        got: list[int] = []
+        self.backend.create_subscription(Vector3, topic, lambda m: got.append(int(m.x)), profile)
+        return got
 
     def knows_audience(self, topic: str) -> bool:
         return topic in self.bus._topics and bool(self.bus._topics[topic].subscriptions)
@@ -101,7 +111,7 @@ def test_a_slow_receiver_loses_the_oldest_and_never_blocks_the_publisher() -> No
     here = Side(ends[0], "here")
     here.link.start()
     there: Connection[Any, Any] = Connection(ends[1].detach())
-    there.send(("want", "/scan", Vector3, 3))
+    there.send(("want", "/scan", Vector3, "RELIABLE", QoSProfile(3)))
     wait_until(lambda: here.knows_audience("/scan"), "the audience")
     publisher = here.backend.create_publisher(Vector3, "scan", 1)
     for number in range(20_000):
@@ -111,7 +121,7 @@ def test_a_slow_receiver_loses_the_oldest_and_never_blocks_the_publisher() -> No
     thread.start()
     try:
         while True:
-            got.append(there.recv()[2].x)
+            got.append(there.recv()[-1].x)
     except EOFError:
         thread.join()
     there.close()
@@ -179,7 +189,9 @@ def test_the_end_of_the_other_process_ends_the_audience(sides: tuple[Side, Side]
     here.backend.create_publisher(Header, "scan", 1).publish(Header())
 
 
-def test_between_two_children_a_deeper_subscription_is_deepened_all_the_way() -> None:
+@pytest.fixture
+def children() -> Iterator[tuple[Side, Side]]:
+    """Two sides that know each other by way of a third."""
     hub = Bus()
     links: list[Link] = []
     sides: list[Side] = []
@@ -190,15 +202,100 @@ def test_between_two_children_a_deeper_subscription_is_deepened_all_the_way() ->
         links += [sides[-1].link, Link(hub, connection, name)]
     for link in links:
         link.start()
-    a, b = sides
-    b.backend.create_subscription(Vector3, "scan", print, 1)
-    wait_until(lambda: a.knows_audience("/scan"), "the audience")
-    b.backend.create_subscription(Vector3, "scan", print, 1000)
-    wait_until(lambda: a.bus._topics["/scan"].subscriptions[0].depth == 1000, "the depth")
+    yield sides[0], sides[1]
     for link in links:
         link.close()
     for side in sides:
         side.backend.close()
+
+
+def test_between_two_children_a_deeper_subscription_is_deepened_all_the_way(
+    children: tuple[Side, Side],
+) -> None:
+    a, b = children
+    b.backend.create_subscription(Vector3, "scan", print, 1)
+    wait_until(lambda: a.knows_audience("/scan"), "the audience")
+    b.backend.create_subscription(Vector3, "scan", print, 1000)
+    wait_until(lambda: a.bus._topics["/scan"].subscriptions[0].depth == 1000, "the depth")
+
+
+def publish(publisher: Publisher, *numbers: int) -> None:
+    for number in numbers:
+        publisher.publish(Vector3(x=float(number)))
+
+
+@pytest.mark.parametrize("pair", ["sides", "children"])
+def test_each_late_latched_subscription_gets_what_was_kept_once_and_in_order(
+    pair: str, request: pytest.FixtureRequest
+) -> None:
+    here, there = request.getfixturevalue(pair)
+    publisher = here.backend.create_publisher(Vector3, "map", LATCHED)
+    publish(publisher, 1, 2, 3, 4)
+    late = there.subscribe("map", LATCHED)
+    spin(there, lambda: len(late) == 3)
+    later, volatile = there.subscribe("map", ALL), there.subscribe("map", 10)
+    spin(there, lambda: len(later) == 3)
+    # Two of the same kind, and one that came before, do not disturb each other.
+    wait_until(lambda: len(here.bus._topics["/map"].subscriptions) == 3, "the audience")
+    publish(publisher, 5)
+    spin(there, lambda: volatile and len(late) == 4 and len(later) == 4)
+    assert late == later == [2, 3, 4, 5]
+    assert volatile == [5]
+
+
+def test_nothing_is_lost_or_twice_for_who_comes_from_there_while_somebody_publishes(
+    sides: tuple[Side, Side],
+) -> None:
+    here, there = sides
+    publisher = here.backend.create_publisher(Vector3, "map", LATCHED)
+    ending = threading.Event()
+    sent: list[int] = []
+
+    def publish_on() -> None:
+        while not ending.wait(0.0001):
+            publish(publisher, len(sent))
+            sent.append(len(sent))
+
+    thread = threading.Thread(target=publish_on)
+    thread.start()
+    try:
+        late = []
+        for _ in range(10):
+            late.append(there.subscribe("map", ALL))
+            spin(there, lambda: late[-1])
+    finally:
+        ending.set()
+        thread.join()
+    spin(there, lambda: all(got[-1] == len(sent) - 1 for got in late))
+    for got in late:
+        assert got == list(range(got[0], len(sent)))
+
+
+def test_a_latched_subscription_that_ends_leaves_nothing_behind(sides: tuple[Side, Side]) -> None:
+    here, there = sides
+    here.backend.create_publisher(Vector3, "map", LATCHED)
+    subscription = there.backend.create_subscription(Vector3, "map", print, LATCHED)
+    wait_until(lambda: here.knows_audience("/map"), "the audience")
+    there.backend.destroy_subscription(subscription)
+    wait_until(lambda: not here.knows_audience("/map"), "the end of the audience")
+    assert not there.link._wanted_here
+    assert not here.link._wanted_there
+
+
+def test_who_does_not_match_gets_nothing_from_there_either_and_one_line_says_why(
+    sides: tuple[Side, Side], caplog: pytest.LogCaptureFixture
+) -> None:
+    here, there = sides
+    publisher = here.backend.create_publisher(Vector3, "scan", qos_profile_sensor_data)
+    reliable, weak = there.subscribe("scan", 10), there.subscribe("scan", qos_profile_sensor_data)
+    wait_until(lambda: len(here.bus._topics["/scan"].subscriptions) == 2, "the audience")
+    publish(publisher, 1)
+    spin(there, lambda: weak)
+    assert (reliable, weak) == ([], [1])
+    assert [text for text in caplog.messages if "gets nothing" in text] == [
+        "/scan: a subscription gets nothing from a publisher:"
+        " it asks for RELIABLE and the publisher offers BEST_EFFORT"
+    ]
 
 
 def test_records_are_bounded_while_the_other_side_is_slow() -> None:

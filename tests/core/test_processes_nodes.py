@@ -8,9 +8,12 @@ from support.program import running
 
 PROGRAM = """
 import logging, os, sys
-from rosbase import (BaseHandlers, BaseManager, BaseNode, register_multiprocess_nodes,
-                     shutdown_multiprocess_nodes)
+from rosbase import (BaseHandlers, BaseManager, BaseNode, RestartPolicy,
+                     register_multiprocess_nodes, shutdown_multiprocess_nodes)
 from rosbase.messages import Header
+from rosbase.qos import DurabilityPolicy, QoSProfile
+
+LATCHED = QoSProfile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 class Child(BaseNode):
     def __init__(self, manager=None, *args, **kwargs):
@@ -47,6 +50,15 @@ class Failing(BaseNode):
         self.create_timer(0.01, self.fail)
     def fail(self):
         raise ValueError("lens cap is on")
+
+class Reader(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.say = self.create_publisher(Header, "read", LATCHED)
+        self.create_subscription(Header, "map", self.read, LATCHED)
+    def read(self, message):
+        self.say.publish(Header(frame_id=f"{message.frame_id} {os.getpid()}"))
+        raise ValueError("read and gone")
 
 class Parent(BaseNode):
     def __init__(self, manager=None, **kwargs):
@@ -172,3 +184,25 @@ App("boss", {}, None, Handlers).start_main_loop_timer(processes)
 print(processes["port"].exit_code)
 """
     assert run(tmp_path, body) == ["3"]
+
+
+def test_a_child_that_is_started_again_gets_what_was_kept_for_it(tmp_path: Path) -> None:
+    body = """
+class Mapper(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.read = []
+        self.create_publisher(Header, "map", LATCHED).publish(Header(frame_id="hall"))
+        self.create_subscription(Header, "read", lambda m: self.read.append(m.frame_id), LATCHED)
+class App(BaseManager):
+    def is_done(self):
+        return len(self.nodes["mapper"].read) == 2
+policy = RestartPolicy("always", first_delay_s=0)
+processes = register_multiprocess_nodes({"reader": Reader}, {}, restart=policy)
+app = App("boss", {"mapper": Mapper}, None, Handlers)
+app.start_main_loop_timer(processes)
+print(*app.nodes["mapper"].read, sep="\\n")
+"""
+    first, second = map(str.split, run(tmp_path, body))
+    assert first[0] == second[0] == "hall"
+    assert first[1] != second[1]

@@ -133,7 +133,7 @@ def test_use_sim_time_has_stamps_and_timers_follow_the_clock_topic(context: Any)
 
 @pytest.mark.parametrize("qos", [0, -1, True, 1.5, "sensor"])
 def test_a_qos_that_is_none_is_refused_in_one_line(backend: Ros2Backend, qos: Any) -> None:
-    with pytest.raises(BackendError, match="depth from 1 up or an rclpy QoSProfile") as caught:
+    with pytest.raises(BackendError, match="depth from 1 up or a QoSProfile") as caught:
         backend.create_publisher(String, "words", qos)
     assert "\n" not in str(caught.value)
 

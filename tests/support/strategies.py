@@ -28,6 +28,7 @@ from rosbase.messages import (
     Twist,
     Vector3,
 )
+from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
 answers = st.sampled_from(CallbackReturn)
 
@@ -189,3 +190,17 @@ messages: dict[type, st.SearchStrategy[object]] = {
     Twist: st.builds(Twist, vector3s, vector3s),
     Vector3: vector3s,
 }
+
+qos_profiles = st.builds(
+    QoSProfile,
+    st.integers(1, 4),
+    durability=st.sampled_from(DurabilityPolicy),
+    history=st.sampled_from(HistoryPolicy),
+)
+
+QosStep = QoSProfile | int | None
+"""Somebody subscribes; the first or the second publisher publishes; all callbacks are run."""
+
+qos_steps: st.SearchStrategy[list[QosStep]] = st.lists(
+    st.one_of(qos_profiles, st.integers(0, 1), st.integers(0, 1), st.none()), max_size=40
+)

@@ -15,6 +15,13 @@ if TYPE_CHECKING:
         register_multiprocess_nodes,
         shutdown_multiprocess_nodes,
     )
+    from rosbase.qos import (
+        DurabilityPolicy,
+        HistoryPolicy,
+        QoSProfile,
+        ReliabilityPolicy,
+        qos_profile_sensor_data,
+    )
 
 __all__ = [
     "BaseAgent",
@@ -22,9 +29,14 @@ __all__ = [
     "BaseManager",
     "BaseNode",
     "CallbackReturn",
+    "DurabilityPolicy",
+    "HistoryPolicy",
     "LifecycleNode",
+    "QoSProfile",
+    "ReliabilityPolicy",
     "RestartPolicy",
     "State",
+    "qos_profile_sensor_data",
     "register_multiprocess_nodes",
     "shutdown_multiprocess_nodes",
 ]
@@ -35,9 +47,14 @@ _HOMES = {
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.node",
     "CallbackReturn": "rosbase.lifecycle",
+    "DurabilityPolicy": "rosbase.qos",
+    "HistoryPolicy": "rosbase.qos",
     "LifecycleNode": "rosbase.lifecycle_node",
+    "QoSProfile": "rosbase.qos",
+    "ReliabilityPolicy": "rosbase.qos",
     "RestartPolicy": "rosbase.processes",
     "State": "rosbase.lifecycle",
+    "qos_profile_sensor_data": "rosbase.qos",
     "register_multiprocess_nodes": "rosbase.processes",
     "shutdown_multiprocess_nodes": "rosbase.processes",
 }

@@ -6,6 +6,18 @@ more to it than this process. Never override: the rest, which is the executor's.
 Threads: one thread spins the executor, and every callback runs on it. What arrives on threads
 of the backend's own is handed over with `call_soon`. `publish`, `call_soon` and the destroying
 of what was created may be called from any thread; `call_soon` from a signal handler too.
+
+Quality of service: a whole number means `QoSProfile(depth)`, as `rosbase.qos.as_profile` has it,
+and a backend may take profiles of its world's own too. Of each policy a backend keeps this:
+
+- depth, KEEP_LAST: the last so many messages wait for the callback; older ones are dropped and
+  counted. KEEP_ALL: none is dropped.
+- TRANSIENT_LOCAL: a publisher keeps its last `depth` messages, or all, as long as it lives. A
+  subscription that asks for them gets them when it comes: in order, before what is published
+  later, none twice and none left out. VOLATILE: it gets what is published from then on.
+- RELIABLE: a message is lost to the depth alone. BEST_EFFORT: it may be lost on the way.
+- A subscription gets nothing from a publisher that offers less than it asks for
+  (`rosbase.qos.mismatch`), and a warning says so.
 """
 
 import math
@@ -21,6 +33,7 @@ from rosbase.imu_sender import ImuSender, message_sender
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.qos import QoSProfile
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
 
@@ -108,23 +121,29 @@ class Backend(ABC):
         """Handles callbacks as they come, until a deadline on the monotonic clock."""
 
     @abstractmethod
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
-        """A publisher. `qos` is the history depth, in messages.
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
+    ) -> Publisher:
+        """A publisher that offers what the profile says.
 
         Raises:
-            BackendError: The topic has another type, the name is not one, or the backend
-                is closed.
+            BackendError: The topic has another type, the name is not one, the profile is none,
+                or the backend is closed.
         """
 
     @abstractmethod
     def create_subscription(
-        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: int
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: int | QoSProfile,
     ) -> Subscription:
-        """A subscription that keeps the last `qos` messages until the callback has had them.
+        """A subscription that asks for what the profile says.
 
         Raises:
-            BackendError: The topic has another type, the name is not one, or the backend
-                is closed.
+            BackendError: The topic has another type, the name is not one, the profile is none,
+                or the backend is closed.
         """
 
     @abstractmethod

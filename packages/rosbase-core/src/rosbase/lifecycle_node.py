@@ -8,6 +8,7 @@ from rosbase.backend import Publisher
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
 from rosbase.node import BaseNode
+from rosbase.qos import QoSProfile
 
 __all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
 
@@ -217,10 +218,10 @@ class LifecycleNode(BaseNode):
         return self._drive(begin)
 
     def create_publisher(
-        self, msg_type: type[MessageT], topic: str, qos: int = 10
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
     ) -> LifecyclePublisher:
         """A publisher that sends only while the node is active."""
-        publisher = LifecyclePublisher(super().create_publisher(msg_type, topic, qos))
+        publisher = LifecyclePublisher(super().create_publisher(msg_type, topic, qos_profile))
         publisher.is_enabled = self._machine.state is State.ACTIVE
         self._gated.append(publisher)
         return publisher

@@ -9,6 +9,7 @@ from rosbase.connection import lone_node_name, open_backend
 from rosbase.context import Component, ManagerContext
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.qos import QoSProfile
 from rosbase.shutdown import run_steps
 from rosbase.stopping import stop_on_signals
 
@@ -55,22 +56,24 @@ class BaseNode(Component):
         self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = make_logger(name, custom_logger, self._backend.clock)
 
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int = 10) -> Publisher:
-        """A publisher of messages of that type. `qos` is the history depth, in messages."""
-        return self._backend.create_publisher(msg_type, topic, qos)
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
+    ) -> Publisher:
+        """A publisher of messages of that type, with that depth or profile."""
+        return self._backend.create_publisher(msg_type, topic, qos_profile)
 
     def create_subscription(
         self,
         msg_type: type[MessageT],
         topic: str,
         callback: Callable[[MessageT], object],
-        qos: int = 10,
+        qos_profile: int | QoSProfile = 10,
     ) -> Subscription:
         """Has `callback(message)` called on the main-loop thread.
 
-        The last `qos` messages wait for it; older ones are dropped and counted.
+        As many messages as the depth says wait for it; older ones are dropped and counted.
         """
-        return self._backend.create_subscription(msg_type, topic, callback, qos)
+        return self._backend.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
         """Has `callback()` called on the main-loop thread, every so many seconds."""

@@ -52,27 +52,31 @@ class Ros2Backend(Backend):
         self._closed = False
         self._spinner = Spinner(self._context, self.node, self._report)
 
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: Any) -> Publisher:
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: Any) -> Publisher:
         """A publisher of rosbase messages, which are converted, or of native ROS ones.
 
         Args:
             msg_type: The class of the messages.
             topic: As in ROS: relative, absolute, or private with `~/`; remapping applies.
-            qos: The depth of a reliable, volatile topic, or an rclpy profile.
+            qos_profile: The depth of a reliable, volatile topic, or a profile of rosbase or rclpy.
         """
         self._check_open()
-        converter, profile = self._conversions.of(msg_type), to_profile(qos, topic)
+        converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
         inner = _asking_ros(self.node.create_publisher, converter.ros_type, topic, profile)
         publisher = RosPublisher(inner, converter)
         self._publishers.append(publisher)
         return publisher
 
     def create_subscription(
-        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: Any
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: Any,
     ) -> Subscription:
         """A subscription; the callback runs on the main-loop thread."""
         self._check_open()
-        converter, profile = self._conversions.of(msg_type), to_profile(qos, topic)
+        converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
         subscription = RosSubscription(converter, callback, queue_depth(profile), self.call_soon)
         subscription.attach(
             _asking_ros(

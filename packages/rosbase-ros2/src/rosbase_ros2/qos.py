@@ -1,27 +1,29 @@
-"""What a topic's `qos` means: a depth, or a profile of rclpy."""
+"""What a topic's `qos_profile` means: a depth, a profile of rosbase, or one of rclpy."""
 
 import sys
 from typing import Any
 
-from rclpy.qos import HistoryPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from rosbase.errors import BackendError
+from rosbase.qos import as_profile
 
 __all__ = ["queue_depth", "to_profile"]
 
 
-def to_profile(qos: Any, topic: str) -> QoSProfile:
-    """The profile: a whole number is the depth of a reliable, volatile topic.
+def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
+    """The profile for rclpy; one of its own is taken as it is.
 
     Raises:
-        BackendError: It is neither.
+        BackendError: It is neither a depth nor a profile.
     """
-    if isinstance(qos, QoSProfile):
-        return qos
-    if isinstance(qos, int) and not isinstance(qos, bool) and qos >= 1:
-        return QoSProfile(depth=qos)
-    raise BackendError(
-        f"the qos of {topic!r} is a depth from 1 up or an rclpy QoSProfile, not {qos!r}"
+    if isinstance(qos_profile, QoSProfile):
+        return qos_profile
+    profile = as_profile(qos_profile, topic)
+    return QoSProfile(
+        depth=profile.depth,
+        history=HistoryPolicy[profile.history.name],
+        reliability=ReliabilityPolicy[profile.reliability.name],
+        durability=DurabilityPolicy[profile.durability.name],
     )
 
 

@@ -5,9 +5,11 @@ from typing import TypeVar
 
 from rosbase.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.errors import BackendError, ParameterError
-from rosbase.local.bus import Bus, LocalPublisher, LocalSubscription, process_bus
+from rosbase.local.bus import Bus, process_bus
+from rosbase.local.endpoints import LocalPublisher, LocalSubscription
 from rosbase.local.names import resolve_topic
 from rosbase.parameters import Parameter, ParameterSpec, check_value
+from rosbase.qos import QoSProfile, as_profile
 
 __all__ = ["LocalBackend"]
 
@@ -29,19 +31,29 @@ class LocalBackend(Backend):
         self._subscriptions: list[LocalSubscription] = []
         self._closed = False
 
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos: int) -> Publisher:
-        """A publisher; the depth matters to subscriptions only."""
-        name = self._check(topic, qos)
-        publisher = self._bus.add_publisher(name, msg_type)
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
+    ) -> Publisher:
+        """A publisher. Unless it is TRANSIENT_LOCAL, its depth matters to nobody.
+
+        Within one process nothing is lost on the way: BEST_EFFORT delivers as RELIABLE does,
+        and differs only in who matches.
+        """
+        name = self._check(topic)
+        publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic))
         self._publishers.append(publisher)
         return publisher
 
     def create_subscription(
-        self, msg_type: type[MessageT], topic: str, callback: Callable[[MessageT], object], qos: int
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: int | QoSProfile,
     ) -> Subscription:
-        """A subscription that keeps the last `qos` messages."""
-        name = self._check(topic, qos)
-        subscription = LocalSubscription(name, callback, qos, self.call_soon)
+        """A subscription that keeps as many messages as its profile says."""
+        name, profile = self._check(topic), as_profile(qos_profile, topic)
+        subscription = LocalSubscription(name, callback, profile, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
         self._subscriptions.append(subscription)
         return subscription
@@ -83,9 +95,7 @@ class LocalBackend(Backend):
             self.destroy_subscription(subscription)
         self.executor.close()
 
-    def _check(self, topic: str, qos: int) -> str:
+    def _check(self, topic: str) -> str:
         if self._closed:
             raise BackendError("the backend is closed")
-        if not isinstance(qos, int) or isinstance(qos, bool) or qos < 1:
-            raise BackendError(f"the depth of {topic!r} is a whole number from 1 up, not {qos!r}")
         return resolve_topic(topic, self._options.node_name)

@@ -1,6 +1,7 @@
 """Topics shared with one other process of this machine: a manager's, or its child's.
 
 Each side tells the other what it subscribes to, and sends only that. Both ends are the same.
+Whether a subscription matches, and what is kept for it, is decided where the publisher is.
 What arrives is unpickled, so a link is for processes that trust each other completely.
 """
 
@@ -15,8 +16,10 @@ from typing import Any
 
 from rosbase.clock import SystemClock
 from rosbase.executor import Executor
-from rosbase.local.bus import Bus, LocalSubscription
+from rosbase.local.bus import Bus
+from rosbase.local.endpoints import Channel, LocalSubscription
 from rosbase.logger import RosbaseLogger
+from rosbase.qos import QoSProfile
 
 __all__ = ["Link"]
 
@@ -59,8 +62,8 @@ class Link:
         self._record_lock = threading.Lock()
         self._records_waiting = 0
         self._records_left_out = 0
-        self._wanted_there: dict[str, LocalSubscription] = {}
-        self._wanted_here: dict[str, int] = {}
+        self._wanted_there: dict[tuple[str, Channel], LocalSubscription] = {}
+        self._wanted_here: dict[tuple[str, Channel], QoSProfile] = {}
         self._sender = self._thread("send", self._send_all)
         self._receiver = self._thread("receive", self._receive_all)
 
@@ -72,11 +75,17 @@ class Link:
         self._receiver.start()
         self._bus.add_link(self)
 
-    def audience_changed(self, topic: str, msg_type: type, depth: int) -> None:
+    def audience_changed(
+        self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
+    ) -> None:
         """Tells the other end what is wanted here."""
-        if self._wanted_here.get(topic, 0) != depth:
-            self._wanted_here[topic] = depth
-            self._send_soon("want", topic, msg_type, depth)
+        if self._wanted_here.get((topic, channel)) == profile:
+            return
+        if profile is None:
+            del self._wanted_here[topic, channel]
+        else:
+            self._wanted_here[topic, channel] = profile
+        self._send_soon("want", topic, msg_type, channel, profile)
 
     def send_record(self, level: int, text: str) -> None:
         """Has the other end log a text, at a level of the standard library's `logging`.
@@ -160,24 +169,26 @@ class Link:
             except Exception as error:
                 self._report("cannot take what it sends", error)
 
-    def _take_message(self, topic: str, message: Any) -> None:
-        self._bus.deliver_from(self, topic, message)
+    def _take_message(self, topic: str, channel: Channel, message: Any) -> None:
+        self._bus.deliver_from(self, topic, channel, message)
 
     def _take_record(self, level: int, text: str) -> None:
         if self._on_record is not None:
             self._on_record(level, text)
 
-    def _take_want(self, topic: str, msg_type: type, depth: int) -> None:
-        known = self._wanted_there.get(topic)
-        if known is not None and depth:
-            self._bus.resize_subscription(known, depth)
+    def _take_want(
+        self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
+    ) -> None:
+        known = self._wanted_there.get((topic, channel))
+        if known is not None and profile:
+            self._bus.resize_subscription(known, profile)
         elif known is not None:
-            self._bus.remove_subscription(self._wanted_there.pop(topic))
-        elif depth:
-            send, schedule = partial(self._send, "message", topic), self._executor.call_soon
-            wanted = LocalSubscription(topic, send, depth, schedule, self)
+            self._bus.remove_subscription(self._wanted_there.pop((topic, channel)))
+        elif profile:
+            send = partial(self._send, "message", topic, channel)
+            wanted = LocalSubscription(topic, send, profile, self._executor.call_soon, self)
             self._bus.add_subscription(wanted, msg_type)
-            self._wanted_there[topic] = wanted
+            self._wanted_there[topic, channel] = wanted
 
     def _report(self, what: str, error: Exception) -> None:
         message = f"{self._name}: {what}: {type(error).__name__}: {error}"

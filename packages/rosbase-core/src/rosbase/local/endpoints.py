@@ -1,0 +1,137 @@
+"""The two ends of a topic: who publishes hands over to those subscriptions that match."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from rosbase.errors import BackendError
+from rosbase.qos import QoSProfile
+from rosbase.queued_subscription import QueuedSubscription
+
+__all__ = [
+    "BusLink",
+    "Channel",
+    "LatchedPublisher",
+    "LocalPublisher",
+    "LocalSubscription",
+    "make_publisher",
+]
+
+Channel = str | int
+"""Those subscriptions of a topic that a link serves together: all volatile ones of the same
+reliability, by its name, or one that is latched, by a number of its own."""
+
+
+class BusLink(Protocol):
+    """What a bus tells a link."""
+
+    def audience_changed(
+        self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
+    ) -> None:
+        """Called when others than the link itself subscribe to a topic, or do so no more.
+
+        Args:
+            topic: Its full name.
+            msg_type: The type of its messages.
+            channel: Which subscriptions this is about.
+            profile: Of those, the one of the greatest depth; None if there is none left.
+        """
+        ...
+
+
+class LocalSubscription(QueuedSubscription):
+    """Messages of a topic of this process, as its profile asks for them."""
+
+    __slots__ = ("channel", "link", "profile")
+
+    def __init__(
+        self,
+        topic: str,
+        callback: Callable[[Any], object],
+        profile: QoSProfile,
+        schedule: Callable[[Callable[[], object]], None],
+        link: BusLink | None = None,
+    ) -> None:
+        super().__init__(topic, callback, profile.queue_depth, schedule)
+        self.profile = profile
+        self.link = link
+        """The link that subscribes on behalf of another process, if it is one."""
+        self.channel: Channel = profile.reliability.name
+        """How links know it. The bus gives a latched one its number."""
+
+
+class LocalPublisher:
+    """Hands messages to the subscriptions of one topic."""
+
+    __slots__ = ("_closed", "_deliveries", "_msg_type", "profile", "topic")
+
+    def __init__(self, topic: str, msg_type: type, profile: QoSProfile) -> None:
+        self.topic = topic
+        self.profile = profile
+        self._msg_type = msg_type
+        # Replaced, never changed, so that publishing needs no lock.
+        self._deliveries: tuple[Callable[[Any], None], ...] = ()
+        self._closed = False
+
+    def publish(self, message: Any) -> None:
+        """Queues the message with every subscription that matches. From any thread.
+
+        Raises:
+            TypeError: The message is not of the topic's type.
+            BackendError: The publisher has been destroyed.
+        """
+        if self._closed:
+            raise BackendError(f"the publisher of {self.topic} has been destroyed")
+        if not isinstance(message, self._msg_type):
+            raise TypeError(
+                f"{self.topic} takes {self._msg_type.__name__}, not {type(message).__name__}"
+            )
+        for deliver in self._deliveries:
+            deliver(message)
+
+    # Called by the bus, one at a time.
+
+    def connect(self, subscription: LocalSubscription) -> None:
+        """Has the subscription receive what is published from now on."""
+        self._deliveries = (*self._deliveries, subscription.deliver)
+
+    def disconnect(self, subscription: LocalSubscription) -> None:
+        """Undoes it; harmless if there is nothing to undo."""
+        self._deliveries = tuple(d for d in self._deliveries if d != subscription.deliver)
+
+    def close(self) -> None:
+        """Nothing can be published from here on."""
+        self._closed = True
+
+
+class LatchedPublisher(LocalPublisher):
+    """Keeps its last messages for the subscriptions that come later."""
+
+    __slots__ = ("_kept", "_lock")
+
+    def __init__(self, topic: str, msg_type: type, profile: QoSProfile) -> None:
+        super().__init__(topic, msg_type, profile)
+        self._kept: deque[Any] = deque(maxlen=profile.queue_depth)
+        # Nothing may be published between what was kept and the first that comes by itself.
+        self._lock = threading.Lock()
+
+    def publish(self, message: Any) -> None:
+        """Queues the message as any publisher does, and keeps it."""
+        with self._lock:
+            super().publish(message)
+            self._kept.append(message)
+
+    def connect(self, subscription: LocalSubscription) -> None:
+        """Begins with what was kept, if the subscription asks for it and has room for it."""
+        with self._lock:
+            if subscription.profile.is_latched:
+                for message in list(self._kept)[-subscription.depth :]:
+                    subscription.deliver(message)
+            super().connect(subscription)
+
+
+def make_publisher(topic: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
+    """A publisher that keeps what its profile says."""
+    kind = LatchedPublisher if profile.is_latched else LocalPublisher
+    return kind(topic, msg_type, profile)
