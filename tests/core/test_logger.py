@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rosbase import BaseHandlers, BaseManager
+from rosbase import BaseHandlers, BaseManager, BaseNode
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.testing import ManualClock, virtual_backend
 from support.roles import Brain, Camera
@@ -218,3 +218,123 @@ def test_a_custom_logger_can_be_copied() -> None:
             self.name = name
 
     assert copy.copy(make_logger("x", Plain)).name == "x"
+
+
+class Listener(logging.Handler):
+    """A backend's, which keeps what it is given."""
+
+    def __init__(self, level: str = "INFO") -> None:
+        super().__init__(level)
+        self.records: list[logging.LogRecord] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.records.append(record)
+
+    @property
+    def said(self) -> list[tuple[str, str]]:
+        return [(record.levelname, record.getMessage()) for record in self.records]
+
+
+def test_a_backend_may_listen_to_its_manager_and_to_a_lone_node(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    for own in (None, OwnLogger):
+        backend = virtual_backend()
+        backend.log_handler = listener = Listener()
+        BaseManager("boss", custom_logger=own, backend=backend).logger.info("manager")
+        BaseNode(node_name="eye", custom_logger=own, backend=backend).logger.info("node")
+        assert [(r.name, r.getMessage()) for r in listener.records] == [
+            ("boss", "manager"),
+            ("eye", "node"),
+        ]
+
+
+def test_who_listens_is_given_the_place_and_the_traceback(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    listener = Listener()
+    logger = RosbaseLogger("node", None, listener)
+    try:
+        raise OSError("gone")
+    except OSError as error:
+        logger.error("100 % lost", exc_info=error)
+        logger.error("100 % lost", exc_info=True)
+    for record, written in zip(listener.records, records.records, strict=True):
+        assert record.getMessage().startswith("100 % lost\nTraceback (most recent call last)")
+        assert record.getMessage().endswith("OSError: gone")
+        assert (record.pathname, record.lineno, record.funcName) == (
+            written.pathname,
+            written.lineno,
+            written.funcName,
+        )
+
+
+def test_what_the_application_does_not_let_through_is_not_heard(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    listener = Listener("DEBUG")
+    logger = RosbaseLogger("node", None, listener)
+    logging.getLogger("rosbase").setLevel("WARNING")
+    logger.info("no")
+    logger.log_once("yes", "ERROR")
+    logger.log_once("yes", "ERROR")
+    assert listener.said == [("ERROR", "yes")]
+
+
+LISTENED = """
+import logging
+from rosbase.logger import make_logger
+class Listener(logging.Handler):
+    def emit(self, record):
+        print(record.levelname, record.getMessage())
+logger = make_logger("boss", None, None, Listener({level!r}))
+logger.debug("quiet")
+logger.info("loud")
+"""
+
+
+@pytest.mark.parametrize(
+    ("level", "heard", "console"),
+    [
+        ("DEBUG", "DEBUG quiet\nINFO loud\n", "[DEBUG] [boss]: quiet\n[INFO] [boss]: loud\n"),
+        ("INFO", "INFO loud\n", "[INFO] [boss]: loud\n"),
+        ("WARNING", "", ""),
+    ],
+)
+def test_who_listens_silences_nothing_and_has_the_level_where_nobody_set_up_logging(
+    level: str, heard: str, console: str
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", LISTENED.format(level=level)],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, heard, console)
+
+
+def test_what_only_a_custom_logger_fills_in_or_says_once_is_heard_as_it_wrote_it() -> None:
+    class Theirs(OwnLogger):
+        def warning(self, message: str, *values: object) -> None:
+            self.lines.append(message % values)
+
+        def log_once(self, message: str, level: str = "INFO") -> None:
+            self.lines.append(message)
+
+    listener = Listener()
+    logger: Any = make_logger("x", Theirs, None, listener)
+    logger.warning("%d of %s", 3, "them")
+    logger.info("50 %", " in green")
+    logger.debug("below its level")
+    logger.important("goal")
+    for _ in range(2):
+        logger.log_once("once", "ERROR")
+        logger.log_once("again", level="WARNING")
+    assert listener.said == [
+        ("WARNING", "3 of them"),
+        ("INFO", "50 %"),
+        ("INFO", "goal"),
+        ("ERROR", "once"),
+        ("WARNING", "again"),
+    ]

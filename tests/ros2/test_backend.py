@@ -294,13 +294,15 @@ def test_a_lifecycle_node_is_driven_by_the_ros_tools_and_its_callbacks_run_on_th
 
 
 def test_only_the_first_lifecycle_node_is_exposed_and_the_next_says_so(
-    backend: Ros2Backend, capfd: pytest.CaptureFixture[str]
+    backend: Ros2Backend, caplog: pytest.LogCaptureFixture
 ) -> None:
     LifecycleNode(backend=backend)
     LifecycleNode(backend=backend)
     names = [name for name, _ in backend.node.get_service_names_and_types()]
     assert names.count("/test_node/get_state") == 1
-    assert "is not seen by the ROS tools" in capfd.readouterr().err
+    (record,) = caplog.records
+    assert record.name == "rosbase.test_node"
+    assert "is not seen by the ROS tools" in record.message
 
 
 ROS_ARGUMENTS = """

@@ -83,7 +83,9 @@ class Served:
         self.backend = LocalBackend(BackendOptions("served"), Bus())
         self.managed = kind(backend=self.backend)
         self.node: Any = rclpy.create_node("served", context=context)
-        self.services = LifecycleServices(self.node, self.managed, self.backend.call_soon)
+        self.services = LifecycleServices(
+            self.node, self.managed, self.backend.call_soon, self.managed.logger
+        )
         self.executor = executor
         executor.add_node(self.node)
 

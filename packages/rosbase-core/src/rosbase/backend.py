@@ -20,6 +20,7 @@ and a backend may take profiles of its world's own too. Of each policy a backend
   (`rosbase.qos.mismatch`), and a warning says so.
 """
 
+import logging
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -175,6 +176,11 @@ class Backend(ABC):
         """Ends everything that was created. Idempotent; nothing is called back afterwards."""
 
     # May implement.
+
+    log_handler: logging.Handler | None = None
+    """Given every record of the backend's manager or lone node, beside the console, from any
+    thread; where the application has set up no logging, its level is the least for both. It
+    must raise nothing, also after `close`. Set before the constructor returns."""
 
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Lets the outside see and drive the lifecycle of a node of this backend.

@@ -22,13 +22,19 @@ class RosbaseLogger:
 
     Handlers, levels and formats are the application's, as everywhere in Python. Where it has
     set up none at all, what is INFO or worse goes to stderr, as users of ROS expect.
+
+    A backend may listen. Its handler is none of the application's and changes nothing of that,
+    but for the least level that goes to stderr, which is then the handler's.
     """
 
-    def __init__(self, name: str, clock: Clock | None = None) -> None:
-        """Takes the name that the records carry, and the clock that throttles."""
+    def __init__(
+        self, name: str, clock: Clock | None = None, listener: logging.Handler | None = None
+    ) -> None:
+        """Takes the name that the records carry, the clock that throttles, and who listens."""
         self.name = name
         self._logger = logging.getLogger(f"rosbase.{name}")
         self._clock = clock or SystemClock()
+        self._have_listen(listener)
         self._said: set[tuple[int, str]] = set()
         self._next_ns: dict[str, int] = {}
         self._lock = threading.Lock()
@@ -90,11 +96,13 @@ class RosbaseLogger:
         if not self._is_enabled(level) or (once and not self._first_time(level, message)):
             return
         self._emit(level, message, exc_info)
+        self._hand_on(level, message, exc_info)
 
     @property
     def level(self) -> int:
         """The least level that is written, as a number of `logging`."""
-        return self._logger.getEffectiveLevel() if self._logger.hasHandlers() else logging.INFO
+        has_handlers = self._logger.hasHandlers()
+        return self._logger.getEffectiveLevel() if has_handlers else self._default_level
 
     def _emit(self, level: int, message: str, exc_info: Any) -> None:
         if self._logger.hasHandlers():
@@ -106,7 +114,20 @@ class RosbaseLogger:
     def _is_enabled(self, level: int) -> bool:
         if self._logger.hasHandlers():
             return self._logger.isEnabledFor(level)
-        return level >= logging.INFO
+        return level >= self._default_level
+
+    def _have_listen(self, listener: logging.Handler | None) -> None:
+        self._listener = listener
+        # The least where the application has set up nothing. Each record is compared with it.
+        self._default_level = logging.INFO if listener is None else listener.level
+
+    def _hand_on(self, level: int, message: Any, exc_info: Any) -> None:
+        """Gives whoever listens a record, with the place where it was logged."""
+        if self._listener is not None:
+            text, (path, line, function) = _with_traceback(message, exc_info), _find_caller()
+            self._listener.handle(
+                logging.LogRecord(self.name, level, path, line, text, None, None, function)
+            )
 
     def _first_time(self, level: int, message: str) -> bool:
         with self._lock:
@@ -119,8 +140,10 @@ class RosbaseLogger:
 class _CustomLogger(RosbaseLogger):
     """A logger of the application's own, with whatever ours can do and it cannot."""
 
-    def __init__(self, name: str, custom: Any, clock: Clock | None) -> None:
-        super().__init__(name, clock)
+    def __init__(
+        self, name: str, custom: Any, clock: Clock | None, listener: logging.Handler | None
+    ) -> None:
+        super().__init__(name, clock, listener)
         self._custom = custom
         for level in (
             logging.DEBUG,
@@ -132,7 +155,7 @@ class _CustomLogger(RosbaseLogger):
             setattr(self, logging.getLevelName(level).lower(), partial(self._say, level))
         for method in ("important", "log_once"):
             if hasattr(custom, method):
-                setattr(self, method, getattr(custom, method))
+                setattr(self, method, partial(self._say_its_way, method))
 
     def __getattr__(self, attribute: str) -> Any:
         if attribute == "_custom":
@@ -151,7 +174,23 @@ class _CustomLogger(RosbaseLogger):
     ) -> None:
         """Writes a message, with whatever else the application's own logger takes."""
         if not once or self._first_time(level, message):
-            self._emit(level, message, options.pop("exc_info", None), *more, **options)
+            exc_info = options.pop("exc_info", None)
+            self._emit(level, message, exc_info, *more, **options)
+            self._hand_on(level, _fill_in(message, more), exc_info)
+
+    def _say_its_way(self, method: str, message: str, *more: Any, **options: Any) -> Any:
+        """Writes as only the application's own logger can, at a level that it may be given."""
+        answer = getattr(self._custom, method)(message, *more, **options)
+        named = options.get("level", more[0] if more else "")
+        level = logging.getLevelNamesMapping().get(str(named).upper(), logging.INFO)
+        if method != "log_once" or self._first_time(level, message):
+            self._hand_on(level, message, None)
+        return answer
+
+    def _hand_on(self, level: int, message: Any, exc_info: Any) -> None:
+        # What the application's own logger writes is its affair; who listens has a level too.
+        if level >= self._default_level:
+            super()._hand_on(level, message, exc_info)
 
     def _is_enabled(self, level: int) -> bool:
         return True
@@ -166,24 +205,54 @@ class _CustomLogger(RosbaseLogger):
 
 
 def make_logger(
-    name: str, custom: Callable[[str], Any] | None = None, clock: Clock | None = None
+    name: str,
+    custom: Callable[[str], Any] | None = None,
+    clock: Clock | None = None,
+    listener: logging.Handler | None = None,
 ) -> RosbaseLogger:
-    """The logger of that name; `custom` is a class of the application's own for it."""
+    """The logger of that name.
+
+    Args:
+        name: What its records are called.
+        custom: A class of the application's own, which is called with the name.
+        clock: What throttles.
+        listener: A backend's handler, which is given what is logged, beside the console.
+    """
     if custom is None:
-        return RosbaseLogger(name, clock)
+        return RosbaseLogger(name, clock, listener)
     logger = custom(name)
     if not isinstance(logger, RosbaseLogger):
-        return _CustomLogger(name, logger, clock)
+        return _CustomLogger(name, logger, clock, listener)
+    # Made with the name alone, it cannot know which time counts here, and who listens.
     if clock is not None:
-        # Made with the name alone, it cannot know which time counts here.
         logger._clock = clock
+    logger._have_listen(listener)
     return logger
 
 
-def _with_traceback(message: str, exc_info: Any) -> str:
-    if not isinstance(exc_info, BaseException):
+def _find_caller() -> tuple[str, int, str]:
+    """File, line and function from which this module was called."""
+    frame = sys._getframe()
+    while frame.f_globals is globals() and frame.f_back is not None:
+        frame = frame.f_back
+    return frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name
+
+
+def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
+    """The text of a logger that takes values for it, as `logging` does; others take colours."""
+    try:
+        return message % values if values else message
+    except (TypeError, ValueError):
         return message
-    return f"{message}\n{''.join(traceback.format_exception(exc_info)).rstrip()}"
+
+
+def _with_traceback(message: Any, exc_info: Any) -> Any:
+    error = exc_info
+    if not isinstance(exc_info, BaseException):
+        error = sys.exception() if exc_info else None
+    if error is None:
+        return message
+    return f"{message}\n{''.join(traceback.format_exception(error)).rstrip()}"
 
 
 def _write_to_stderr(text: str) -> None:

@@ -54,7 +54,9 @@ class BaseNode(Component):
             return
         name = node_name or lone_node_name(self)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
-        self.logger = make_logger(name, custom_logger, self._backend.clock)
+        self.logger = make_logger(
+            name, custom_logger, self._backend.clock, self._backend.log_handler
+        )
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10

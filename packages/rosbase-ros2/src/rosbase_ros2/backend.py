@@ -12,6 +12,7 @@ from rosbase.clock import SystemClock
 from rosbase.errors import BackendError
 from rosbase.imu_sender import ImuSender
 from rosbase.lifecycle import ManagedNode
+from rosbase.logger import make_logger
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec
 from rosbase_ros2.clock import RosClock
@@ -19,6 +20,7 @@ from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
+from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
@@ -44,6 +46,8 @@ class Ros2Backend(Backend):
         self.node = _start_node(self._context, options)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
         self.clock = self._ros_clock = RosClock(self.node)
+        self.log_handler = self._rosout = RosoutHandler(self.node)
+        self._logger = make_logger(options.node_name, None, self.clock, self.log_handler)
         self._parameters = RosParameters(self.node)
         self._conversions = Conversions()
         self._publishers: list[RosPublisher] = []
@@ -131,12 +135,12 @@ class Ros2Backend(Backend):
         """Offers the five services and the topic by which the ROS tools drive a managed node."""
         self._check_open()
         if self._services:
-            self.node.get_logger().warning(
+            self._logger.warning(
                 f"{type(node).__name__} is not seen by the ROS tools: the services of"
                 f" {self.node.get_name()} are those of its first lifecycle node"
             )
             return
-        self._services.append(LifecycleServices(self.node, node, self.call_soon))
+        self._services.append(LifecycleServices(self.node, node, self.call_soon, self._logger))
 
     def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
         """What sends samples as bytes."""
@@ -149,7 +153,9 @@ class Ros2Backend(Backend):
         if self._closed:
             return
         self._closed = True
-        self._flush()
+        if self._context.ok():
+            self._flush()
+        self._rosout.close()
         for services in self._services:
             services.close()
         for subscription in self._subscriptions:
@@ -164,16 +170,19 @@ class Ros2Backend(Backend):
     def _flush(self) -> None:
         monotonic_ns = self.executor.clock.monotonic_ns
         deadline_ns = monotonic_ns() + _FLUSH_NS
-        for publisher in self._publishers:
+        publishers = [publisher.inner for publisher in self._publishers]
+        if self._rosout.publisher is not None:
+            publishers.append(self._rosout.publisher)
+        for publisher in publishers:
             left_ns = max(0, deadline_ns - monotonic_ns())
-            publisher.inner.wait_for_all_acked(Duration(nanoseconds=left_ns))
+            publisher.wait_for_all_acked(Duration(nanoseconds=left_ns))
 
     def _check_open(self) -> None:
         if self._closed:
             raise BackendError("the backend is closed")
 
     def _report(self, error: BaseException) -> None:
-        self.node.get_logger().error(f"a callback of rclpy raised {type(error).__name__}: {error}")
+        self._logger.error(f"a callback of rclpy raised {type(error).__name__}: {error}")
 
 
 def _start_node(context: Any, options: BackendOptions) -> Any:

@@ -27,6 +27,7 @@ from rosbase.lifecycle import (
     Transition,
     TransitionEvent,
 )
+from rosbase.logger import RosbaseLogger
 
 __all__ = ["LifecycleServices"]
 
@@ -45,6 +46,7 @@ class LifecycleServices:
         node: Node,
         managed: ManagedNode,
         call_soon: Callable[[Callable[[], object]], object],
+        logger: RosbaseLogger,
     ) -> None:
         """Creates the services and the topic of transitions.
 
@@ -53,11 +55,13 @@ class LifecycleServices:
             managed: Whose lifecycle it is.
             call_soon: Has the main loop call a function. It is called on the thread of the
                 executor that spins `node`.
+            logger: Where requests that come to nothing are reported.
         """
         # rclpy says that it is typed, but most of its functions are not.
         self._node: Any = node
         self._managed = managed
         self._call_soon = call_soon
+        self._logger = logger
         # Requests that the main loop has not begun; guarded with _closed by the lock.
         self._waiting: set[Any] = set()
         self._closed = False
@@ -160,7 +164,7 @@ class LifecycleServices:
             result = self._managed.request_transition(transition_id, label)
             success = result is CallbackReturn.SUCCESS
         except TransitionNotAvailableError as error:
-            self._node.get_logger().warning(f"change_state refused: {error}")
+            self._logger.warning(f"change_state refused: {error}")
         except Exception as error:
             self._log_error("a transition", error)
         finally:
@@ -179,7 +183,7 @@ class LifecycleServices:
         )
 
     def _log_error(self, who: str, error: Exception) -> None:
-        self._node.get_logger().error(f"{who} raised {type(error).__name__}: {error}")
+        self._logger.error(f"{who} raised {type(error).__name__}: {error}")
 
 
 def _settle(answer: Any, *, success: bool) -> None:

@@ -31,6 +31,7 @@ class Spinner:
         """
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(node)
+        self._context = context
         self._node = node
         self._report = report
         self._ending = False
@@ -68,11 +69,13 @@ class Spinner:
         return True
 
     def _run(self) -> None:
-        while not self._ending:
+        # A program can end the context itself: nothing comes in then.
+        while not self._ending and self._context.ok():
             try:
                 self.executor.spin_once(timeout_sec=_LONG_S)
             except Exception as error:
-                self._report(error)
+                if self._context.ok():
+                    self._report(error)
 
 
 def _nothing() -> None:

@@ -92,7 +92,7 @@ class BaseManager:
             self.backend = open_backend(backend, BackendOptions(node_name=node_name))
             try:
                 self.logger: RosbaseLogger = make_logger(
-                    node_name, custom_logger, self.backend.clock
+                    node_name, custom_logger, self.backend.clock, self.backend.log_handler
                 )
                 self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
                 self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)

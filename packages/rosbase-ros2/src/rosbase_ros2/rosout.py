@@ -1,0 +1,81 @@
+"""Log records on `/rosout`, as of any ROS node.
+
+rclpy's own logger is not used for it: that writes to the console as well, where rosbase's
+records have gone already, and costs many times as much.
+"""
+
+import logging
+from typing import Any
+
+from rcl_interfaces.msg import Log
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+__all__ = ["RosoutHandler"]
+
+_TYPE = "rcl_interfaces/msg/Log"
+# As of rcl's own publishers: `rcl_qos_profile_rosout_default`.
+_PROFILE = QoSProfile(
+    depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10)
+)
+_NS_PER_S = 1_000_000_000
+
+
+class RosoutHandler(logging.Handler):
+    """Publishes records under the name of a node, until it is closed.
+
+    Its level is that of the node's logger when it is made, which `--log-level` sets. With
+    `--disable-rosout-logs` it publishes nothing.
+    """
+
+    def __init__(self, node: Any) -> None:
+        """Takes the rclpy node."""
+        ros_logger = node.get_logger()
+        super().__init__(int(ros_logger.get_effective_level()))
+        self.publisher = (
+            node.create_publisher(Log, "/rosout", _PROFILE) if _wants_logs(node) else None
+        )
+        """The rclpy publisher, while there is one; it is destroyed with the node."""
+        self._node_name = ros_logger.name
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publishes one record. From any thread, one at a time."""
+        publisher = self.publisher
+        if publisher is None:
+            return
+        try:
+            publisher.publish(_to_ros(record, self._node_name))
+        except Exception:
+            # The node or its context is gone. A record must not end whoever logs it.
+            pass
+
+    def close(self) -> None:
+        """Publishes nothing from here on."""
+        self.publisher = None
+        super().close()
+
+
+def _wants_logs(node: Any) -> bool:
+    """Whether rcl itself publishes what this node logs; rclpy has no better way to ask."""
+    found = node.get_publisher_names_and_types_by_node(node.get_name(), node.get_namespace())
+    return any(_TYPE in types for _, types in found)
+
+
+def _to_ros(record: logging.LogRecord, node_name: str) -> Any:
+    message = Log(
+        # ROS knows these five only, and the tools look them up.
+        level=min(50, max(10, record.levelno // 10 * 10)),
+        name=node_name,
+        msg=_sendable(record.getMessage()),
+        file=_sendable(record.pathname),
+        function=record.funcName or "",
+        line=record.lineno,
+    )
+    stamp_ns = int(record.created * _NS_PER_S)
+    message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, _NS_PER_S)
+    return message
+
+
+def _sendable(text: str) -> str:
+    """ROS would cut at a NUL, and cannot send half a surrogate pair."""
+    return text.replace("\0", "\\0").encode(errors="backslashreplace").decode()
