@@ -1,12 +1,20 @@
 import sys
+from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from rosbase.errors import NotInstalledError
+from rosbase.cli.list_plugins import run as list_plugins
+from rosbase.errors import NotInstalledError, PluginError
 from rosbase.plugins import PluginRegistry, installed_plugins
-from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, candidates_in, install_plugin
+from support.plugins import (
+    BROKEN_PLUGINS,
+    CONVERSION_PLUGIN,
+    TRANSPORT_PLUGIN,
+    candidates_in,
+    install_plugin,
+)
 
 
 @pytest.fixture
@@ -91,6 +99,54 @@ def test_a_name_of_this_project_stays_with_its_package(site: Path) -> None:
 def test_a_name_of_this_project_cannot_be_taken_in_its_absence(site: Path) -> None:
     install_plugin(site, "a-usurper", "x", TRANSPORT_PLUGIN.format(name="mqtt"))
     assert load(site).plugins[0].failure == "transport 'mqtt' is reserved for imu-mqtt"
+
+
+def install_conversion(site: Path, distribution: str, create: str, msg_type: str = "Force") -> None:
+    code = CONVERSION_PLUGIN.format(create=create, msg_type=msg_type)
+    install_plugin(site, distribution, "force", code)
+
+
+def test_a_conversion_is_made_only_when_its_backend_asks_for_it(site: Path) -> None:
+    install_conversion(site, "arm", "return [7]")
+    registry = load(site)
+    (plugin,) = registry.plugins[0].descriptors
+    assert (plugin.kind, plugin.name) == ("conversion", "arm_force.Force on ros2")
+    force = sys.modules["arm_force"].Force
+    assert registry.create_conversion(force, "ros2", lambda given: given[0]) == 7
+    assert registry.create_conversion(force, "zenoh", lambda given: given[0]) is None
+    assert registry.create_conversion(int, "ros2", lambda given: given[0]) is None
+
+
+def test_a_conversion_that_fails_is_one_line_that_names_its_plugin(site: Path) -> None:
+    install_conversion(site, "arm", "raise OSError('no\\nluck')")
+    registry = load(site)
+    with pytest.raises(PluginError) as caught:
+        registry.create_conversion(sys.modules["arm_force"].Force, "ros2", print)
+    assert str(caught.value) == (
+        "conversion 'arm_force.Force on ros2' cannot be used: arm:force failed: OSError: no luck"
+    )
+
+
+def test_a_class_that_two_plugins_convert_is_converted_by_neither(site: Path) -> None:
+    install_conversion(site, "arm", "return 1")
+    install_conversion(site, "leg", "return 2", "__import__('arm_force').Force")
+    registry = load(site)
+    reason = "conversion 'arm_force.Force on ros2' is claimed by arm:force and leg:force"
+    assert [record.failure for record in registry.plugins] == [reason, reason]
+    with pytest.raises(PluginError, match=reason):
+        registry.create_conversion(sys.modules["arm_force"].Force, "ros2", print)
+
+
+def test_a_conversion_is_listed_without_being_made(
+    site: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    install_conversion(site, "arm", "raise SystemExit")
+    registry = load(site)
+    monkeypatch.setattr("rosbase.cli.list_plugins.installed_plugins", lambda: registry)
+    list_plugins(Namespace())
+    assert capsys.readouterr().out == (
+        "force  active  arm 1.2  conversion: arm_force.Force on ros2\n"
+    )
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,7 @@ from support import strategies
 
 serialization: Any = import_module("rclpy.serialization")
 numpy: Any = import_module("numpy")
+diagnostic_msgs: Any = import_module("diagnostic_msgs.msg")
 geometry_msgs: Any = import_module("geometry_msgs.msg")
 std_msgs: Any = import_module("std_msgs.msg")
 
@@ -203,8 +204,8 @@ def test_a_ros_message_is_passed_through() -> None:
 
 
 @pytest.mark.parametrize("kind", [int, JointState | None, "Imu", Converter])
-def test_an_unknown_type_is_refused_with_a_way_out(kind: Any) -> None:
-    with pytest.raises(TypeError, match=r"^[^\n]*Conversions\.register\(\) takes a Converter"):
+def test_an_unknown_type_is_refused_in_one_line(kind: Any) -> None:
+    with pytest.raises(TypeError, match=r"^[^\n]*, and no plugin has a conversion$"):
         CONVERSIONS.of(kind)
 
 
@@ -219,9 +220,13 @@ class Arrow:
     orientation: Quaternion
 
 
-def test_a_class_of_ones_own_with_the_fields_of_a_ros_message_can_be_registered() -> None:
-    conversions = Conversions()
-    conversions.register(conversions.derive(Arrow, geometry_msgs.Pose))
+def knowing(given: dict[type, Any]) -> Conversions:
+    """Conversions for which plugins have those."""
+    return Conversions(lambda kind, accept: accept(given[kind]) if kind in given else None)
+
+
+def test_a_class_of_ones_own_is_converted_to_the_ros_class_with_its_fields() -> None:
+    conversions = knowing({Arrow: geometry_msgs.Pose})
     converter = conversions.of(Arrow)
     arrow = Arrow(Vector3(1.0, 2.0, 3.0), Quaternion())
     ros = converter.to_ros(arrow)
@@ -250,21 +255,67 @@ def test_an_array_of_fixed_size_takes_just_as_many_elements() -> None:
             converter.to_ros(Field(Header(), Vector3(), (1.0,) * size))
 
 
-def test_a_registered_converter_is_used_inside_other_messages_too() -> None:
-    def to_ros(text: Header) -> Any:
-        return std_msgs.Header(frame_id=f"robot1/{text.frame_id}")
+@attrs.frozen
+class Frame:
+    name: str
 
-    conversions = Conversions()
-    conversions.of(Imu)
-    conversions.register(
-        Converter(Header, std_msgs.Header, to_ros, lambda ros: Header(frame_id="back"))
-    )
-    converter = conversions.of(Imu)
-    ros = converter.to_ros(Imu(Header(frame_id="imu_link")))
+
+@attrs.frozen
+class Stamped:
+    header: Frame
+    vector: Vector3
+
+
+@attrs.frozen
+class Row:
+    status: tuple[Frame, ...]
+    header: Header
+
+
+FRAME = Converter(
+    Frame,
+    std_msgs.Header,
+    lambda frame: std_msgs.Header(frame_id=f"robot1/{frame.name}"),
+    lambda ros: Frame(ros.frame_id.removeprefix("robot1/")),
+)
+
+
+def test_a_converter_by_hand_is_used_inside_other_messages_too() -> None:
+    conversions = knowing({Frame: FRAME, Stamped: geometry_msgs.Vector3Stamped})
+    converter = conversions.of(Stamped)
+    stamped = Stamped(Frame("imu_link"), Vector3(1.0, 2.0, 3.0))
+    ros = converter.to_ros(stamped)
     assert ros.header.frame_id == "robot1/imu_link"
-    assert converter.from_ros(ros).header.frame_id == "back"
-    with pytest.raises(TypeError, match=r"^Imu\.header takes messages of type Header"):
-        converter.to_ros(Imu(None))  # type: ignore[arg-type]
+    assert converter.from_ros(ros) == stamped
+    with pytest.raises(TypeError, match=r"^Stamped\.header takes messages of type Frame"):
+        converter.to_ros(Stamped(None, Vector3()))  # type: ignore[arg-type]
+
+
+def test_what_a_plugin_converts_to_another_class_than_the_field_has_is_refused() -> None:
+    conversions = knowing({Frame: FRAME, Row: diagnostic_msgs.DiagnosticArray})
+    with pytest.raises(
+        TypeError, match=r"^Row\.status is diagnostic_msgs/DiagnosticStatus in ROS, which is not"
+    ):
+        conversions.of(Row)
+
+
+def test_a_plugin_is_asked_once_and_only_about_what_is_not_known() -> None:
+    asked: list[type] = []
+
+    def ask(kind: type, accept: Any) -> Any:
+        asked.append(kind)
+        return accept({Frame: FRAME, Stamped: geometry_msgs.Vector3Stamped}[kind])
+
+    conversions = Conversions(ask)
+    for kind in (Imu, std_msgs.String, Stamped, Stamped, Frame):
+        conversions.of(kind)
+    assert asked == [Stamped, Frame]
+
+
+@pytest.mark.parametrize("given", [None, Frame("x"), Frame, FRAME])
+def test_what_is_neither_a_ros_class_nor_a_converter_for_the_class_is_refused(given: Any) -> None:
+    with pytest.raises(TypeError, match="neither a message class of ROS nor a Converter"):
+        knowing({Stamped: given}).of(Stamped)
 
 
 # What is essential above, in a Python of its own: ROS reads the variable when it is imported.

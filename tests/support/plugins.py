@@ -39,6 +39,24 @@ def rosbase_transports():
     yield TransportPlugin("{name}", "a test", create)
 """
 
+CONVERSION_PLUGIN = """
+import attrs
+from rosbase.messages import Vector3
+from rosbase.plugins import ConversionPlugin, hookimpl
+
+@attrs.frozen
+class Force:
+    force: Vector3
+    torque: Vector3
+
+def create():
+    {create}
+
+@hookimpl
+def rosbase_conversions():
+    yield ConversionPlugin({msg_type}, "ros2", "geometry_msgs/Wrench", create)
+"""
+
 BROKEN_PLUGINS: dict[str, tuple[str | None, str]] = {
     "unimportable": ("import no_such_library", "ModuleNotFoundError: No module named 'no_such"),
     "vanished": (None, "ModuleNotFoundError"),
@@ -77,6 +95,14 @@ BROKEN_PLUGINS: dict[str, tuple[str | None, str]] = {
     ),
     "no_summary": (TRANSPORT_PLUGIN.format(name="x").replace('"a test"', "None"), "'summary' must"),
     "not_callable": (TRANSPORT_PLUGIN.format(name="x").replace("create)", "5)"), "'create' must"),
+    "no_class": (
+        CONVERSION_PLUGIN.format(create="pass", msg_type="'Force'"),
+        "'msg_type' must be",
+    ),
+    "known_class": (
+        CONVERSION_PLUGIN.format(create="pass", msg_type="Vector3"),
+        "Vector3 is a message of rosbase, which every backend knows",
+    ),
     "bad_name": (TRANSPORT_PLUGIN.format(name="two words"), "name must be one word"),
 }
 """By what is wrong: the source of the plugin, and what the reason must say."""

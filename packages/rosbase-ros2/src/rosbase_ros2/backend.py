@@ -15,8 +15,9 @@ from rosbase.lifecycle import ManagedNode
 from rosbase.logger import make_logger
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec
+from rosbase.plugins import installed_plugins
 from rosbase_ros2.clock import RosClock
-from rosbase_ros2.conversion import Conversions
+from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
@@ -49,7 +50,7 @@ class Ros2Backend(Backend):
         self.log_handler = self._rosout = RosoutHandler(self.node)
         self._logger = make_logger(options.node_name, None, self.clock, self.log_handler)
         self._parameters = RosParameters(self.node)
-        self._conversions = Conversions()
+        self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
         self._subscriptions: list[RosSubscription] = []
         self._services: list[LifecycleServices] = []
@@ -196,6 +197,10 @@ def _start_node(context: Any, options: BackendOptions) -> Any:
     except Exception as error:
         context.try_shutdown()
         raise BackendError(f"ROS 2 does not start: {' '.join(str(error).split())}") from error
+
+
+def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
+    return installed_plugins().create_conversion(msg_type, "ros2", accept)
 
 
 def _asking_ros(function: Callable[..., Any], *args: Any) -> Any:

@@ -23,7 +23,7 @@ from rosbase_ros2.kinds import (
     numbers_back,
 )
 
-__all__ = ["Conversions", "Converter"]
+__all__ = ["Accept", "Ask", "Conversions", "Converter"]
 
 Fill: TypeAlias = Callable[[Any, Any], None]
 """Puts what a message of rosbase has into a ROS message."""
@@ -64,20 +64,23 @@ class Converter:
     """The message that a ROS message amounts to."""
 
 
+Accept: TypeAlias = Callable[[Any], Converter]
+"""Takes a message class of ROS or a `Converter`. TypeError says why that will not do."""
+Ask: TypeAlias = Callable[[type, Accept], Converter | None]
+"""Takes a class and what accepts an answer; gives what that gave, or None if nobody answers."""
+
+
 class Conversions:
     """The converters, each made when it is first needed.
 
     Only then is the package of its ROS message imported.
     """
 
-    def __init__(self) -> None:
-        self._registered: dict[type, Converter] = {}
+    def __init__(self, ask: Ask | None = None) -> None:
+        """Takes who is asked about a class that is neither rosbase's nor of ROS."""
+        self._ask = ask or _know_nothing
+        self._given: dict[type, Converter | None] = {}
         self._made: dict[type, Converter] = {}
-
-    def register(self, converter: Converter) -> None:
-        """From now on messages of its type are converted with it, inside others as well."""
-        self._registered[converter.msg_type] = converter
-        self._made = {}
 
     def of(self, msg_type: type) -> Converter:
         """The converter of a message type, from any thread.
@@ -86,8 +89,9 @@ class Conversions:
 
         Raises:
             TypeError: nothing is known of that type.
+            PluginError: a plugin has a conversion for it, or for a part of it, that is of no use.
         """
-        found = self._registered.get(msg_type) or self._made.get(msg_type)
+        found = self._made.get(msg_type)
         if found is None:
             # Two threads may both make it; either will do.
             found = self._made[msg_type] = self._make(msg_type)
@@ -95,8 +99,6 @@ class Conversions:
 
     def derive(self, msg_type: type, ros_type: type) -> Converter:
         """A converter for an attrs class that has the fields of a ROS message class.
-
-        For your own messages: `conversions.register(conversions.derive(Mine, Theirs))`.
 
         Raises:
             TypeError: their fields are not the same, or cannot be converted like this.
@@ -113,13 +115,37 @@ class Conversions:
     def _make(self, msg_type: type) -> Converter:
         if _is_ros(msg_type):
             return Converter(msg_type, msg_type, _same, _same)
-        if msg_type not in _KNOWN:
+        if msg_type in _KNOWN:
+            return self.derive(msg_type, _ros_class(f"{_KNOWN[msg_type]}/{msg_type.__name__}"))
+        found = self._from_plugin(msg_type)
+        if found is None:
             name = getattr(msg_type, "__qualname__", None) or repr(msg_type)
             raise TypeError(
-                f"{name} is neither a message of rosbase nor of ROS;"
-                " Conversions.register() takes a Converter for it"
+                f"{name} is neither a message of rosbase nor of ROS, and no plugin has a conversion"
             )
-        return self.derive(msg_type, _ros_class(f"{_KNOWN[msg_type]}/{msg_type.__name__}"))
+        return found
+
+    def _from_plugin(self, kind: Any) -> Converter | None:
+        """What a plugin has for a class, which it is asked once."""
+        if kind in _KNOWN or not isinstance(kind, type):
+            return None
+        if kind not in self._given:
+            self._given[kind] = self._ask(kind, lambda given: self._accept(kind, given))
+        return self._given[kind]
+
+    def _accept(self, kind: type, given: Any) -> Converter:
+        if isinstance(given, Converter) and given.msg_type is kind:
+            return given
+        if _is_ros(given):
+            return self.derive(kind, given)
+        raise TypeError(f"{given!r} is neither a message class of ROS nor a Converter for this one")
+
+    def _part(self, kind: Any, ros_kind: str, where: str) -> Converter | None:
+        """What a plugin has for the class of a field, where ROS has its own class."""
+        given = self._from_plugin(kind)
+        if given and given.ros_type is not _ros_class(ros_kind):
+            raise TypeError(f"{where} is {ros_kind} in ROS, which is not what a {kind.__name__} is")
+        return given
 
     def _fill(self, msg_type: type, ros_type: Any, where: str) -> Fill:
         """What fills in a ROS message that is there, so that none is built twice."""
@@ -136,7 +162,8 @@ class Conversions:
         return fill
 
     def _step(self, name: str, kind: Any, ros_kind: str, where: str) -> Fill:
-        if "/" in ros_kind and not LIST.fullmatch(ros_kind) and kind not in self._registered:
+        is_message = "/" in ros_kind and not LIST.fullmatch(ros_kind)
+        if is_message and self._part(kind, ros_kind, where) is None:
             fill_in = self._fill(kind, _ros_class(ros_kind), where)
 
             def descend(message: Any, ros: Any) -> None:
@@ -157,9 +184,8 @@ class Conversions:
             return list_check(element, each, int(size) if size else None)
         if "/" not in ros_kind:
             return basic_kind(ros_kind, where)[0]
-        if kind in self._registered:
-            return _checked_by(self._registered[kind])
-        return _checked_by(self.derive(kind, _ros_class(ros_kind)))
+        given = self._part(kind, ros_kind, where)
+        return _checked_by(given or self.derive(kind, _ros_class(ros_kind)))
 
     def _reader(self, msg_type: type, ros_type: Any) -> Read:
         aliases = {field.name: field.alias for field in attrs.fields(msg_type)}
@@ -182,9 +208,13 @@ class Conversions:
             return lambda values: tuple(map(each, values))
         if "/" not in ros_kind:
             return basic_kind(ros_kind, where)[1]
-        if kind in self._registered:
-            return self._registered[kind].from_ros
+        if given := self._part(kind, ros_kind, where):
+            return given.from_ros
         return self._reader(kind, _ros_class(ros_kind))
+
+
+def _know_nothing(kind: type, accept: Accept) -> None:
+    """Nobody answers."""
 
 
 def _checked_by(converter: Converter) -> Check:

@@ -3,6 +3,7 @@
 from rosbase.plugins.descriptors import (
     BackendPlugin,
     CommandPlugin,
+    ConversionPlugin,
     Descriptor,
     PresetPlugin,
     TransportPlugin,
@@ -15,6 +16,7 @@ __all__ = [
     "ENTRY_POINT_GROUP",
     "BackendPlugin",
     "CommandPlugin",
+    "ConversionPlugin",
     "Descriptor",
     "PluginRecord",
     "PluginRegistry",

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, TypeAlias
 
 from attrs import Attribute, field, frozen, validators
 
+from rosbase import messages
 from rosbase.backend import Backend, BackendOptions
 from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
@@ -13,6 +14,7 @@ from rosbase.transport import SimulatedDevice, Transport, TransportContext
 __all__ = [
     "BackendPlugin",
     "CommandPlugin",
+    "ConversionPlugin",
     "Descriptor",
     "PresetPlugin",
     "TransportPlugin",
@@ -98,4 +100,38 @@ class CommandPlugin:
     """Runs it with the parsed arguments; gives the exit status."""
 
 
-Descriptor: TypeAlias = BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin
+def _of_ones_own(instance: object, attribute: "Attribute[type]", value: type) -> None:
+    if value.__module__ == messages.__name__:
+        raise ValueError(f"{value.__name__} is a message of rosbase, which every backend knows")
+
+
+@frozen
+class ConversionPlugin:
+    """How a backend sends and receives messages of a class that it does not know."""
+
+    kind: ClassVar[str] = "conversion"
+
+    msg_type: type = field(validator=[validators.instance_of(type), _of_ones_own])
+    """What programs publish and receive."""
+    backend: str = field(validator=_word)
+    """The name of the backend that it is for."""
+    summary: str = field(validator=validators.instance_of(str))
+    """What becomes of it there, in half a line."""
+    create: Callable[[], Any] = field(validator=validators.is_callable())
+    """Gives what that backend takes for it, as its documentation says. Called when a topic with
+    such messages is first used there."""
+
+    @property
+    def name(self) -> str:
+        """Whose it is: there is one for each class and backend."""
+        return conversion_name(self.msg_type, self.backend)
+
+
+def conversion_name(msg_type: type, backend: str) -> str:
+    """What the conversion of messages of a class is called, on a backend."""
+    return f"{msg_type.__module__}.{msg_type.__qualname__} on {backend}"
+
+
+Descriptor: TypeAlias = (
+    BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin | ConversionPlugin
+)

@@ -11,6 +11,7 @@ import pluggy
 from rosbase.plugins.descriptors import (
     BackendPlugin,
     CommandPlugin,
+    ConversionPlugin,
     PresetPlugin,
     TransportPlugin,
 )
@@ -46,4 +47,10 @@ def rosbase_presets() -> Iterable[PresetPlugin]:
 @hookspec
 def rosbase_commands() -> Iterable[CommandPlugin]:
     """Subcommands of `rosbase`."""
+    return ()
+
+
+@hookspec
+def rosbase_conversions() -> Iterable[ConversionPlugin]:
+    """Message classes of your own, for backends that convert messages."""
     return ()

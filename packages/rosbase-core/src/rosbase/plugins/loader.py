@@ -18,19 +18,21 @@ from rosbase.plugins import hookspec
 from rosbase.plugins.descriptors import (
     BackendPlugin,
     CommandPlugin,
+    ConversionPlugin,
     Descriptor,
     PresetPlugin,
     TransportPlugin,
 )
 from rosbase.plugins.discovery import Candidate
 
-__all__ = ["PluginRecord", "load_plugin"]
+__all__ = ["PluginRecord", "load_plugin", "one_line"]
 
 _HOOKS: dict[str, type[Descriptor]] = {
     "rosbase_backends": BackendPlugin,
     "rosbase_transports": TransportPlugin,
     "rosbase_presets": PresetPlugin,
     "rosbase_commands": CommandPlugin,
+    "rosbase_conversions": ConversionPlugin,
 }
 
 
@@ -69,7 +71,7 @@ def load_plugin(manager: pluggy.PluginManager, candidate: Candidate) -> PluginRe
         raise
     except BaseException as error:
         # Base: a module may do anything while it is imported, such as calling sys.exit().
-        return evolve(record, failure=_one_line(error))
+        return evolve(record, failure=one_line(error))
     return evolve(record, descriptors=tuple(descriptors))
 
 
@@ -106,6 +108,7 @@ def _ask(manager: pluggy.PluginManager, module: ModuleType) -> Iterable[Descript
                 yield descriptor
 
 
-def _one_line(error: BaseException) -> str:
+def one_line(error: BaseException) -> str:
+    """The class of an error, and what it says."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -1,24 +1,26 @@
 """Finds the installed plugins and answers: which backend, transport or preset is that?"""
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import pluggy
 from attrs import evolve
 
-from rosbase.errors import NotInstalledError
+from rosbase.errors import NotInstalledError, PluginError
 from rosbase.plugins import hookspec
 from rosbase.plugins.descriptors import (
     BackendPlugin,
     CommandPlugin,
+    ConversionPlugin,
     Descriptor,
     PresetPlugin,
     TransportPlugin,
+    conversion_name,
 )
 from rosbase.plugins.discovery import Candidate, find_candidates
-from rosbase.plugins.loader import PluginRecord, load_plugin
+from rosbase.plugins.loader import PluginRecord, load_plugin, one_line
 
 __all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
 
@@ -33,6 +35,7 @@ _OURS = {
 }
 """Names that belong to packages of this project: which one to install, and whose they are."""
 
+AcceptedT = TypeVar("AcceptedT")
 DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
 
 
@@ -99,6 +102,31 @@ class PluginRegistry:
         """
         return self._find(PresetPlugin, name)
 
+    def create_conversion(
+        self, msg_type: type, backend: str, accept: Callable[[Any], AcceptedT]
+    ) -> AcceptedT | None:
+        """What a plugin gives a backend for messages of that class; None if no plugin does.
+
+        Args:
+            msg_type: The class.
+            backend: The name of the backend.
+            accept: Makes of it what the backend works with; raises if that cannot be.
+
+        Raises:
+            PluginError: More than one plugin claims the class, or what it gives is of no use.
+        """
+        name = conversion_name(msg_type, backend)
+        found = self._of(ConversionPlugin).get(name)
+        if found is None:
+            if why := self._why_not(ConversionPlugin.kind, name):
+                raise PluginError(why)
+            return None
+        try:
+            return accept(found.create())
+        except Exception as error:
+            (owner,) = (record for record in self._plugins if found in record.descriptors)
+            raise PluginError(_says(found.kind, name, owner, one_line(error))) from error
+
     @staticmethod
     def is_ours(kind: str, name: str) -> bool:
         """Whether the name belongs to a package of this project."""
@@ -114,18 +142,27 @@ class PluginRegistry:
         return found
 
     def _explain(self, kind: str, name: str) -> str:
+        if why := self._why_not(kind, name):
+            return why
         package = _OURS.get((kind, name))
-        for record in self._plugins:
-            if record.failure and (record.distribution == package or f"'{name}'" in record.failure):
-                return (
-                    f"{kind} '{name}' cannot be used: {record.full_name} failed: {record.failure}"
-                )
         if package:
             return f"{kind} '{name}' needs the package {package}: pip install {package}"
         installed = sorted(self._by_kind.get(kind, {}))
         near = difflib.get_close_matches(name, installed, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         return f"no {kind} '{name}'; installed: {', '.join(installed) or 'none'}{hint}"
+
+    def _why_not(self, kind: str, name: str) -> str:
+        """Which plugin failed that has it, or should have it, and why; empty if none did."""
+        package = _OURS.get((kind, name))
+        for record in self._plugins:
+            if record.failure and (record.distribution == package or f"'{name}'" in record.failure):
+                return _says(kind, name, record, record.failure)
+        return ""
+
+
+def _says(kind: str, name: str, record: PluginRecord, failure: str) -> str:
+    return f"{kind} '{name}' cannot be used: {record.full_name} failed: {failure}"
 
 
 def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
