@@ -242,6 +242,22 @@ def test_the_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().out == "rosbase-core 0.1.0\n"
 
 
+def test_the_command_can_be_asked_of_a_python_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["plugins"])
+    shown = subprocess.run(
+        [sys.executable, "-P", "-m", "rosbase", "plugins"],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=True,
+    )
+    assert shown.stdout == capsys.readouterr().out
+    refused = subprocess.run(
+        [sys.executable, "-P", "-m", "rosbase"], capture_output=True, timeout=30, check=False
+    )
+    assert refused.returncode == 2
+
+
 def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["imu", "--list-parameters"]) == 0
     lines = capsys.readouterr().out.splitlines()
