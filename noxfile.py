@@ -139,6 +139,20 @@ def build(session: nox.Session) -> None:
     session.run("python", "tests/check_wheels.py", *built)
 
 
+@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+def colcon(session: nox.Session) -> None:
+    """The package for ROS as colcon builds it, with the setuptools of Ubuntu 24.04."""
+    session.install("colcon-core", "colcon-ros", "setuptools==68.1.2")
+    made = Path(session.create_tmp()).resolve() / "made"
+    shutil.rmtree(made, ignore_errors=True)
+    for kind, options in {"copied": [], "linked": ["--symlink-install"]}.items():
+        bases = [f"--{base}-base={made / kind / base}" for base in ("build", "install")]
+        log, source = f"--log-base={made / kind / 'log'}", f"--base-paths={PACKAGES}"
+        session.run("colcon", log, "build", source, *bases, *options)
+    # The other one leaves the modules where they are.
+    session.run("python", "tests/check_wheels.py", str(made / "copied" / "install"))
+
+
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing written by hand; prints tables."""

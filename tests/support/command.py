@@ -48,9 +48,9 @@ class Lines:
 class RunningRosbase:
     """A `rosbase` that runs until it is told to end."""
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *arguments: str, program: str = ROSBASE) -> None:
         self.process = subprocess.Popen(
-            [ROSBASE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         assert self.process.stdout is not None
         assert self.process.stderr is not None
