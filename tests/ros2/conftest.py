@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 import rclpy
 
+from rosbase.backend import BackendOptions
+from rosbase_ros2.backend import Ros2Backend
 from support.ros import isolate, ros_context
 
 
@@ -33,3 +35,11 @@ def context(warm_ros: None) -> Iterator[Any]:
     """A context for one test."""
     with ros_context() as context:
         yield context
+
+
+@pytest.fixture
+def backend() -> Iterator[Ros2Backend]:
+    """A backend for one test, that of a node called `test_node`."""
+    backend = Ros2Backend(BackendOptions("test_node"))
+    yield backend
+    backend.close()

@@ -1,18 +1,16 @@
 """The backend on real rclpy: topics, timers, parameters, time and the end."""
 
-import itertools
 import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import rclpy
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
-from rosgraph_msgs.msg import Clock as RosClockMessage
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseHandlers, BaseManager, BaseNode
@@ -23,24 +21,9 @@ from rosbase.lifecycle_node import LifecycleNode
 from rosbase.messages import Header, Imu, String, Time, Vector3
 from rosbase.parameters import ParameterSpec
 from rosbase_ros2.backend import Ros2Backend
-from support.ros import Client
+from support.ros import Client, spin_until
 
-LONG_S = 10.0
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-
-
-@pytest.fixture
-def backend() -> Iterator[Ros2Backend]:
-    backend = Ros2Backend(BackendOptions("test_node"))
-    yield backend
-    backend.close()
-
-
-def spin_until(backend: Ros2Backend, is_done: Callable[[], object]) -> None:
-    deadline_ns = backend.executor.clock.monotonic_ns() + int(LONG_S * 1e9)
-    while not is_done():
-        backend.spin_once(0.1)
-        assert backend.executor.clock.monotonic_ns() < deadline_ns, "nothing came"
 
 
 def publish_until(backend: Ros2Backend, publish: Callable[[], object], got: list[Any]) -> None:
@@ -101,34 +84,6 @@ def test_a_history_that_keeps_all_loses_nothing_before_the_callback(backend: Ros
     spin_until(backend, lambda: got[-1] == String("199"))
     assert [m for m in got if m != String("first")] == [String(str(n)) for n in range(200)]
     assert subscription.dropped == 0
-
-
-def test_use_sim_time_has_stamps_and_timers_follow_the_clock_topic(context: Any) -> None:
-    node = rclpy.create_node("simulation", context=context)
-    clocks = node.create_publisher(RosClockMessage, "/clock", 10)
-    backend = Ros2Backend(BackendOptions("simulated", {"use_sim_time": True}))
-    try:
-        fired: list[Time] = []
-        backend.create_timer(10.0, lambda: fired.append(backend.clock.now()))
-        message = RosClockMessage()
-        seconds = iter(range(100, 1_000_000))
-
-        def tick() -> None:
-            message.clock.sec = next(seconds)
-            clocks.publish(message)
-
-        for _ in range(int(LONG_S / 0.01)):
-            tick()
-            backend.spin_once(0.01)
-            if len(fired) >= 4:
-                break
-        # Ten seconds of the simulation each, in far less than ten of ours. The first call was
-        # due before the clock was found.
-        assert [b.sec - a.sec >= 9 for a, b in itertools.pairwise(fired[1:])] == [True, True]
-        assert backend.clock.now().sec < 1_000_000
-    finally:
-        backend.close()
-        node.destroy_node()
 
 
 @pytest.mark.parametrize("qos", [0, -1, True, 1.5, "sensor"])

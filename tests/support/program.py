@@ -18,13 +18,13 @@ _MARK = "ROSBASE_TEST_PROGRAM"
 class Program:
     """A running program. Whatever it starts inherits a mark, by which it is found."""
 
-    def __init__(self, folder: Path, source: str) -> None:
+    def __init__(self, folder: Path, source: str, *arguments: str) -> None:
         file = folder / "program.py"
         file.write_text(textwrap.dedent(source))
         self.mark = f"{_MARK}={uuid.uuid4().hex}"
         name, value = self.mark.split("=")
         self.process = subprocess.Popen(
-            [sys.executable, "-W", "error", str(file)],
+            [sys.executable, "-W", "error", str(file), *arguments],
             env=os.environ | {name: value},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -64,9 +64,9 @@ def _read(file: Path) -> bytes:
 
 
 @contextmanager
-def running(folder: Path, source: str) -> Iterator[Program]:
+def running(folder: Path, source: str, *arguments: str) -> Iterator[Program]:
     """Runs the program, and leaves nothing of it behind, whatever the test does."""
-    program = Program(folder, source)
+    program = Program(folder, source, *arguments)
     try:
         yield program
     finally:

@@ -16,6 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 from rosbase.backend import BackendOptions
 from rosbase.lifecycle_node import LifecycleNode
 from rosbase.local import Bus, LocalBackend
+from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from support.waiting import wait_until
 
@@ -74,6 +75,14 @@ def spinning(turn: Callable[[], object], name: str) -> Iterator[None]:
     assert not thread.is_alive(), f"the thread of the {name} does not end"
     if errors:
         raise errors[0]
+
+
+def spin_until(backend: Ros2Backend, is_done: Callable[[], object]) -> None:
+    """Runs the main loop of a backend until the condition holds; fails when the time is up."""
+    deadline_ns = backend.executor.clock.monotonic_ns() + int(TIMEOUT_S * 1e9)
+    while not is_done():
+        backend.spin_once(0.1)
+        assert backend.executor.clock.monotonic_ns() < deadline_ns, "nothing came"
 
 
 class Served:

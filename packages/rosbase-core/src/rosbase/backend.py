@@ -36,7 +36,7 @@ from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.qos import QoSProfile
 
-__all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer"]
+__all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer", "timer_period_ns"]
 
 MessageT = TypeVar("MessageT")
 
@@ -98,6 +98,9 @@ class BackendOptions:
     """Values that win over the defaults of the parameters declared later."""
     clock: Clock = field(factory=SystemClock)
     """Where the time comes from, where the backend has no clock of its own."""
+    is_child: bool = False
+    """Whether a manager has started this process. What its command line says of the name of the
+    node is meant for the manager then."""
 
 
 class Backend(ABC):
@@ -205,11 +208,20 @@ class Backend(ABC):
             ValueError: The period is not a positive, finite number of seconds.
             BackendError: The backend is closed.
         """
-        if not (math.isfinite(period_s) and period_s > 0):
-            raise ValueError(f"a timer's period is a positive number of seconds, not {period_s!r}")
-        return self.executor.create_timer(max(1, int(period_s * 1e9)), callback)
+        return self.executor.create_timer(timer_period_ns(period_s), callback)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Ends a timer of this backend; harmless when it has ended."""
         if isinstance(timer, ExecutorTimer):
             timer.destroy()
+
+
+def timer_period_ns(period_s: float) -> int:
+    """The period of a timer in nanoseconds.
+
+    Raises:
+        ValueError: The period is not a positive, finite number of seconds.
+    """
+    if not (math.isfinite(period_s) and period_s > 0):
+        raise ValueError(f"a timer's period is a positive number of seconds, not {period_s!r}")
+    return max(1, int(period_s * 1e9))

@@ -2,6 +2,8 @@
 
 import os
 
+from attrs import evolve
+
 from rosbase.backend import Backend, BackendOptions
 
 __all__ = [
@@ -35,6 +37,7 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     # Only now: finding plugins takes longer than everything else that `import rosbase` does.
     from rosbase.plugins import installed_plugins
 
+    options = evolve(options, is_child=bool(_lone_name))
     return installed_plugins().backend(backend_name(backend)).create(options)
 
 

@@ -4,10 +4,16 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import rclpy
-from rclpy.duration import Duration
 from rclpy.signals import SignalHandlerOptions
 
-from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.backend import (
+    Backend,
+    BackendOptions,
+    Publisher,
+    Subscription,
+    Timer,
+    timer_period_ns,
+)
 from rosbase.clock import SystemClock
 from rosbase.errors import BackendError
 from rosbase.imu_sender import ImuSender
@@ -18,19 +24,21 @@ from rosbase.parameters import Parameter, ParameterSpec
 from rosbase.plugins import installed_plugins
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
+from rosbase_ros2.delivery import Retirement, await_delivery
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.spinner import Spinner
+from rosbase_ros2.timers import RosTimer, Timers
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
 __all__ = ["Ros2Backend"]
 
 MessageT = TypeVar("MessageT")
 
-# How long the last messages may take to be acknowledged, all publishers together.
-_FLUSH_NS = 500_000_000
+# How long the last messages may take to arrive, of all publishers together.
+_LAST_MESSAGES_S = 0.5
 
 
 class Ros2Backend(Backend):
@@ -46,12 +54,14 @@ class Ros2Backend(Backend):
         self._context = rclpy.Context()
         self.node = _start_node(self._context, options)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
-        self.clock = self._ros_clock = RosClock(self.node)
+        self.clock = clock = RosClock(self.node)
         self.log_handler = self._rosout = RosoutHandler(self.node)
-        self._logger = make_logger(options.node_name, None, self.clock, self.log_handler)
+        self._logger = make_logger(options.node_name, None, clock, self.log_handler)
+        self._timers = Timers(clock, self.call_soon)
         self._parameters = RosParameters(self.node)
         self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
+        self._retirement = Retirement(self.node)
         self._subscriptions: list[RosSubscription] = []
         self._services: list[LifecycleServices] = []
         self._closed = False
@@ -96,26 +106,21 @@ class Ros2Backend(Backend):
         return subscription
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """A timer of the main loop, or one that follows `/clock` while `use_sim_time` is true."""
+        """A timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
         self._check_open()
-        if not self._ros_clock.is_simulated:
-            return super().create_timer(period_s, callback)
-        timer: Timer = self.node.create_timer(period_s, lambda: self.call_soon(callback))
-        return timer
+        return self._timers.add(self.executor.create_timer(timer_period_ns(period_s), callback))
 
     def destroy_timer(self, timer: Timer) -> None:
         """Ends a timer."""
-        if isinstance(timer, rclpy.timer.Timer):
-            self._spinner.call(lambda: self.node.destroy_timer(timer))
-        else:
-            super().destroy_timer(timer)
+        if isinstance(timer, RosTimer):
+            self._timers.remove(timer)
 
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher."""
+        """Ends a publisher; ROS sees it until its last messages have arrived."""
         if isinstance(publisher, RosPublisher) and publisher in self._publishers:
             self._publishers.remove(publisher)
             publisher.close()
-            self._spinner.call(lambda: self.node.destroy_publisher(publisher.inner))
+            self._spinner.call(lambda: self._retirement.take(publisher.inner))
 
     def destroy_subscription(self, subscription: Subscription) -> None:
         """Ends a subscription."""
@@ -154,29 +159,21 @@ class Ros2Backend(Backend):
         if self._closed:
             return
         self._closed = True
+        for publisher in self._publishers:
+            publisher.close()
+        self._publishers.clear()
         if self._context.ok():
-            self._flush()
+            await_delivery(list(self.node.publishers), _LAST_MESSAGES_S, self.executor.clock)
         self._rosout.close()
         for services in self._services:
             services.close()
         for subscription in self._subscriptions:
             subscription.close()
-        for publisher in self._publishers:
-            publisher.close()
         if self._spinner.close():
+            self._timers.close()
             self.node.destroy_node()
         self._context.try_shutdown()
         self.executor.close()
-
-    def _flush(self) -> None:
-        monotonic_ns = self.executor.clock.monotonic_ns
-        deadline_ns = monotonic_ns() + _FLUSH_NS
-        publishers = [publisher.inner for publisher in self._publishers]
-        if self._rosout.publisher is not None:
-            publishers.append(self._rosout.publisher)
-        for publisher in publishers:
-            left_ns = max(0, deadline_ns - monotonic_ns())
-            publisher.wait_for_all_acked(Duration(nanoseconds=left_ns))
 
     def _check_open(self) -> None:
         if self._closed:
@@ -193,7 +190,12 @@ def _start_node(context: Any, options: BackendOptions) -> Any:
             rclpy.Parameter(name, value=value)
             for name, value in options.parameter_overrides.items()
         ]
-        return rclpy.create_node(options.node_name, context=context, parameter_overrides=overrides)
+        name = options.node_name
+        # What the command line calls the manager would else be the name of its children too.
+        arguments = ["--ros-args", "-r", f"__node:={name}"] if options.is_child else None
+        return rclpy.create_node(
+            name, context=context, cli_args=arguments, parameter_overrides=overrides
+        )
     except Exception as error:
         context.try_shutdown()
         raise BackendError(f"ROS 2 does not start: {' '.join(str(error).split())}") from error

@@ -94,8 +94,8 @@ def register_multiprocess_nodes(
 
     Args:
         mp_nodes_dict: Node classes by name. Each is made without arguments, in a new Python
-            process; its node has the name of the key. The topics of the local backend reach
-            from there to here and back.
+            process, on the backend that `ROSBASE_BACKEND` names; its node has the name of the key.
+            The topics of the local backend reach from there to here and back.
         cmds_dict: Commands for `/bin/sh` by name, with pipes and a trailing `&` if you like.
         restart: What to do when one ends by itself: `never`, `on-failure`, `always` or a
             `RestartPolicy`; for all of them, or by name.

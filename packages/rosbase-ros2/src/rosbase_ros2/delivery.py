@@ -1,0 +1,70 @@
+"""Lets what was published arrive, because destroying a publisher of rclpy takes it back.
+
+A subscriber acknowledges what it has got when it is asked to, and Fast DDS asks every three
+seconds. So whoever ends a publisher does not wait for that: it retires, and is destroyed later.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from rclpy.clock import Clock as RclpyClock
+from rclpy.clock import ClockType
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidHandle
+
+from rosbase.clock import Clock
+
+__all__ = ["Retirement", "await_delivery"]
+
+_LOOK_S = 0.1
+_POLL_S = 0.001
+_NOW = Duration()
+_NS_PER_S = 1_000_000_000
+
+
+class Retirement:
+    """Publishers that send nothing more, until their last messages have arrived.
+
+    Everything here happens on the thread of rclpy.
+    """
+
+    def __init__(self, node: Any) -> None:
+        """For the publishers of an rclpy node. Those that are left are destroyed with it."""
+        self._node = node
+        self._publishers: list[Any] = []
+        self._timer: Any = None
+
+    def take(self, publisher: Any) -> None:
+        """Destroys a publisher of rclpy as soon as nothing of it is on its way."""
+        self._publishers.append(publisher)
+        self._look()
+
+    def _look(self) -> None:
+        for publisher in [p for p in self._publishers if _is_delivered(p)]:
+            self._publishers.remove(publisher)
+            self._node.destroy_publisher(publisher)
+        if self._publishers and self._timer is None:
+            # Not the node's clock, which may be that of a simulation.
+            clock = RclpyClock(clock_type=ClockType.STEADY_TIME)
+            self._timer = self._node.create_timer(_LOOK_S, self._look, clock=clock)
+        elif self._timer is not None and not self._publishers:
+            self._node.destroy_timer(self._timer)
+            self._timer = None
+
+
+def await_delivery(publishers: Iterable[Any], patience_s: float, clock: Clock) -> None:
+    """Returns when all that publishers of rclpy sent has arrived, or the time is up."""
+    deadline_ns = clock.monotonic_ns() + int(patience_s * _NS_PER_S)
+    for publisher in publishers:
+        # Given a time, rclpy waits with the interpreter locked, and all threads wait with it.
+        while not _is_delivered(publisher) and clock.monotonic_ns() < deadline_ns:
+            clock.sleep(_POLL_S)
+
+
+def _is_delivered(publisher: Any) -> bool:
+    """Whether every subscriber has acknowledged all; none has to, if it is not reliable."""
+    try:
+        return bool(publisher.wait_for_all_acked(_NOW))
+    except InvalidHandle:
+        # Somebody else has destroyed it meanwhile.
+        return True
