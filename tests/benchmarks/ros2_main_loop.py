@@ -32,30 +32,40 @@ ROWS = {
 TURNS = 9
 RATES_HZ = (200, 1000)
 SECONDS = 3
+# DDS takes some 30 ms of CPU for a start.
+WARM_UP_S = 1
 
 
 class Handlers(BaseHandlers):
     """Notes when it is called."""
 
-    def __init__(self, manager: Any = None, *args: Any, ticks: int = 0, **kwargs: Any) -> None:
+    def __init__(
+        self, manager: Any = None, *args: Any, warm_up: int = 0, ticks: int = 0, **kwargs: Any
+    ) -> None:
         super().__init__(manager, *args, **kwargs)
         self.starts: list[int] = []
-        self.ticks = ticks
+        self.warm_up, self.all = warm_up, warm_up + ticks
 
     def handle(self) -> None:
         self.starts.append(time.monotonic_ns())
-        if len(self.starts) == 1:
+        if len(self.starts) == self.warm_up:
             self.before_ns = time.process_time_ns()
-        if len(self.starts) == self.ticks:
-            print(time.process_time_ns() - self.before_ns, *self.starts)
+        if len(self.starts) == self.all:
+            print(time.process_time_ns() - self.before_ns, *self.starts[self.warm_up :])
             self.manager.request_stop()
 
 
-def run_manager(rate_hz: float, ticks: int) -> None:
+def run_manager(rate_hz: float, warm_up: int, ticks: int) -> None:
     """What a row of the other two does in its own file."""
-    BaseManager(
-        "loop", handlers_class=Handlers, node_freq_hz=rate_hz, backend="ros2", ticks=ticks
-    ).start_main_loop_timer()
+    manager = BaseManager(
+        "loop",
+        handlers_class=Handlers,
+        node_freq_hz=rate_hz,
+        backend="ros2",
+        warm_up=warm_up,
+        ticks=ticks,
+    )
+    manager.start_main_loop_timer()
 
 
 @frozen
@@ -73,7 +83,8 @@ class Turn:
 
 def measure(name: str, rate_hz: int) -> Turn:
     """One turn."""
-    command = [sys.executable, str(ROWS[name]), str(rate_hz), str(rate_hz * SECONDS)]
+    numbers = (rate_hz, rate_hz * WARM_UP_S, rate_hz * SECONDS)
+    command = [sys.executable, str(ROWS[name]), *map(str, numbers)]
     out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     cpu_ns, *starts = map(int, out.split())
     period_ns = 1_000_000_000 // rate_hz
@@ -117,7 +128,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
-        run_manager(float(sys.argv[1]), int(sys.argv[2]))
+    if len(sys.argv) == 4:
+        run_manager(float(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))
     else:
         main()

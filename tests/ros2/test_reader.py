@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from imu_serial.simulator import PtyDevice
 from rosbase.errors import TransportError
@@ -301,6 +302,30 @@ def test_the_reader_alone_subscribes_to_nothing_of_its_own(
         wait_until(lambda: client.node.count_publishers("/imu/data") == 1, "the publisher")
         assert client.node.count_subscribers("/imu/data") == 0
         assert end(reader, signal.SIGINT) == 0
+
+
+def test_diagnostics_are_published_once_a_second_under_the_name_of_the_node(
+    device: PtyDevice, client: Client
+) -> None:
+    heard: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", heard.append, 10)
+    with reading(
+        device, "--ros-args", "-r", "__node:=imu_driver", "-r", "__ns:=/front", "--"
+    ) as reader:
+
+        def speaks() -> bool:
+            client.executor.spin_once(timeout_sec=0.01)
+            return len(heard) >= 3
+
+        wait_until(speaks, "diagnostics")
+        assert end(reader, signal.SIGINT) == 0
+    stamps = [message.header.stamp.sec + message.header.stamp.nanosec / 1e9 for message in heard]
+    assert stamps[-1] - stamps[0] == pytest.approx(len(stamps) - 1, abs=0.3)
+    (status,) = heard[-1].status
+    assert status.name == "front/imu_driver: IMU"
+    assert status.hardware_id == device.parameters["device_path"]
+    assert status.level in (DiagnosticStatus.WARN, DiagnosticStatus.ERROR), "there is no data"
+    assert "no data" in status.message
 
 
 def test_samples_are_echoed_over_ros(device: PtyDevice) -> None:

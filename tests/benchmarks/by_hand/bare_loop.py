@@ -4,18 +4,19 @@ import sys
 import time
 
 
-def main(rate_hz: float, ticks: int) -> None:
+def main(rate_hz: float, warm_up: int, ticks: int) -> None:
     starts: list[int] = []
     deadline_s = time.monotonic()
-    before_ns = time.process_time_ns()
-    while len(starts) < ticks:
+    while len(starts) < warm_up + ticks:
         starts.append(time.monotonic_ns())
+        if len(starts) == warm_up:
+            before_ns = time.process_time_ns()
         deadline_s += 1.0 / rate_hz
         left_s = deadline_s - time.monotonic()
         if left_s > 0:
             time.sleep(left_s)
-    print(time.process_time_ns() - before_ns, *starts)
+    print(time.process_time_ns() - before_ns, *starts[warm_up:])
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]), int(sys.argv[2]))
+    main(float(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))

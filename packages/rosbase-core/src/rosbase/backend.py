@@ -110,8 +110,10 @@ class Backend(ABC):
     """Whether messages get to this process's own subscriptions without leaving it, so that
     listening costs next to nothing."""
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: Clock, node_name: str) -> None:
         """Starts with an executor that nobody spins yet."""
+        self.node_name = node_name
+        """The name under which the world sees it, its namespace in front if there is one."""
         self.clock = clock
         """The clock for stamps, timers and deadlines."""
         self.executor = Executor(clock)

@@ -50,10 +50,12 @@ class Ros2Backend(Backend):
         Raises:
             BackendError: ROS refuses the arguments or the name.
         """
-        super().__init__(SystemClock())
+        super().__init__(SystemClock(), options.node_name)
         self._context = rclpy.Context()
         self.node = _start_node(self._context, options)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
+        # It may have been given another one on the command line.
+        self.node_name = self.node.get_fully_qualified_name().removeprefix("/")
         self.clock = clock = RosClock(self.node)
         self.log_handler = self._rosout = RosoutHandler(self.node)
         self._logger = make_logger(options.node_name, None, clock, self.log_handler)

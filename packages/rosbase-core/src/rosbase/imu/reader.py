@@ -8,6 +8,7 @@ import attrs
 from rosbase.backend import Timer
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
+from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel, judge_health
 from rosbase.imu.mapping import SampleReader
 from rosbase.imu.outlet import Outlet, Publishers
@@ -35,7 +36,7 @@ class ImuReader(LifecycleNode):
     """Reads an IMU through any transport and publishes what it measures.
 
     Topics: `imu/data` for samples with an orientation, `imu/data_raw` for those without
-    (REP-145), `imu/mag` for the magnetic field.
+    (REP-145), `imu/mag` for the magnetic field, and `/diagnostics` once a second.
 
     configure takes the device, activate starts reading, deactivate stops and gives the
     device back, cleanup and shutdown release everything. Frames become messages on the
@@ -78,6 +79,7 @@ class ImuReader(LifecycleNode):
         self._activated_ns = 0
         self._health = Health(HealthLevel.OK, "not active")
         self._prepare(self._settings)
+        self.add_transition_listener(Diagnostics(self, self._backend).note)
 
     # What users look at.
 

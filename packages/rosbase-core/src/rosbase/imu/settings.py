@@ -142,6 +142,11 @@ class ReaderSettings:
     covariances: Mapping[str, Covariance]
     """By quantity; for those that a sample has."""
 
+    @property
+    def device(self) -> str:
+        """Which device it is: the value of the transport's first parameter."""
+        return str(next(iter(self.transport_values.values()), self.transport.name))
+
 
 def transport_clashes(registry: PluginRegistry) -> dict[str, str]:
     """Transports that cannot be used, because a parameter of theirs means something else here.

@@ -23,7 +23,7 @@ class LocalBackend(Backend):
 
     def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
         """Opens it on the bus of this process, or on one of the caller's own."""
-        super().__init__(options.clock)
+        super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
         self._parameters: dict[str, Parameter] = {}

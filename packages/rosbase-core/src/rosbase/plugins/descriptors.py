@@ -61,7 +61,7 @@ class TransportPlugin:
             validators.instance_of(ParameterSpec), validators.instance_of(tuple)
         ),
     )
-    """The parameters it adds to a reader's."""
+    """The parameters it adds to a reader's. The first says which device it is."""
     simulate: Callable[[], SimulatedDevice] | None = None
     """Opens a stand-in for a device, if there is one."""
 

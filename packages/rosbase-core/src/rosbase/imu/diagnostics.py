@@ -1,0 +1,113 @@
+"""What the reader says of itself on `/diagnostics`, once a second, in every state."""
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from rosbase.backend import Backend
+from rosbase.clock import Clock
+from rosbase.imu.counts import CountsSnapshot
+from rosbase.imu.health import Health
+from rosbase.imu.settings import ReaderSettings
+from rosbase.lifecycle import CallbackReturn, State, TransitionEvent
+from rosbase.messages import DiagnosticArray, DiagnosticStatus, Header, KeyValue
+from rosbase.transport import TransportHealth
+
+__all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
+
+DIAGNOSTICS_TOPIC = "/diagnostics"
+"""Where the tools of ROS look for it (REP-107)."""
+
+_PERIOD_S = 1.0
+_DEPTH = 10
+_NS_PER_S = 1_000_000_000
+_SUCCESS = CallbackReturn.SUCCESS.label
+
+
+class _Reader(Protocol):
+    """What there is to say something about."""
+
+    last_error: BaseException | None
+
+    def get_state(self) -> State: ...
+
+    @property
+    def health(self) -> Health: ...
+
+    @property
+    def counts(self) -> CountsSnapshot: ...
+
+    @property
+    def transport_health(self) -> TransportHealth: ...
+
+    @property
+    def settings(self) -> ReaderSettings: ...
+
+
+class Diagnostics:
+    """Publishes a status of the reader once a second, from now until the backend is closed.
+
+    Not through a publisher of the lifecycle: that a device cannot be opened is worth knowing
+    while the reader is unconfigured.
+    """
+
+    def __init__(self, reader: _Reader, backend: Backend) -> None:
+        """Begins."""
+        self._reader = reader
+        self._clock: Clock = backend.clock
+        self._name = f"{backend.node_name}: IMU"
+        self._failure = ""
+        self._published = 0
+        self._reported_ns = self._clock.monotonic_ns()
+        self._publish = backend.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, _DEPTH).publish
+        backend.create_timer(_PERIOD_S, self._report)
+
+    def note(self, event: TransitionEvent) -> None:
+        """Takes a step of the lifecycle: a listener of its transitions."""
+        label = event.transition.label
+        if event.transition.is_public and event.transition.id:
+            self._failure = ""
+        elif label != _SUCCESS or event.start is State.ERRORPROCESSING:
+            self._failure = str(self._reader.last_error or label)
+
+    def _report(self) -> None:
+        self._publish(DiagnosticArray(Header(self._clock.now()), (self._status(),)))
+
+    def _status(self) -> DiagnosticStatus:
+        state, health = self._reader.get_state(), self._reader.health
+        if state is State.ACTIVE:
+            level, message = int(health.level), health.message
+        elif self._failure:
+            level, message = DiagnosticStatus.ERROR, f"{state.label}: {self._failure}"
+        else:
+            level, message = DiagnosticStatus.OK, state.label
+        settings = self._reader.settings
+        return DiagnosticStatus(
+            level=level,
+            name=self._name,
+            message=message,
+            hardware_id=settings.device,
+            values=tuple(KeyValue(key, value) for key, value in self._values(state, settings)),
+        )
+
+    def _values(self, state: State, settings: ReaderSettings) -> Iterator[tuple[str, str]]:
+        counts, transport = self._reader.counts, self._reader.transport_health
+        now_ns = self._clock.monotonic_ns()
+        yield "state", state.label
+        yield "transport", f"{settings.transport.name} {transport.state.value}"
+        yield "rate (Hz)", f"{self._rate_hz(counts.published, now_ns):.1f}"
+        if transport.last_data_ns is not None:
+            yield "last data (s ago)", f"{(now_ns - transport.last_data_ns) / _NS_PER_S:.1f}"
+        yield "published", str(counts.published)
+        yield "rejected", str(counts.rejected)
+        yield "ignored", str(counts.ignored)
+        for reason, number in sorted(counts.by_reason.items()):
+            yield reason, str(number)
+        yield "time unusable", str(counts.time_unusable)
+        yield "reconnects", str(transport.reconnects)
+        yield "last error", transport.last_error
+
+    def _rate_hz(self, published: int, now_ns: int) -> float:
+        """Samples that were published in each second since this was last asked."""
+        rate_hz = (published - self._published) * _NS_PER_S / max(1, now_ns - self._reported_ns)
+        self._published, self._reported_ns = published, now_ns
+        return rate_hz
