@@ -4,16 +4,14 @@ import os
 import select
 import threading
 
-from attrs import define, field
-
 from imu_serial.config import SerialConfig
 from imu_serial.port import Port
 from rosbase.backoff import Backoff
 from rosbase.errors import TransportError
 from rosbase.framing import Frame, LineFramer
-from rosbase.transport import OnFrame, TransportContext
+from rosbase.transport import OnFrame, Tally, TransportContext
 
-__all__ = ["ReaderThread", "Tally"]
+__all__ = ["ReaderThread"]
 
 _CALLBACK_LOG_S = 5.0
 
@@ -23,18 +21,6 @@ _CALLBACK_LOG_S = 5.0
 _HURRIED_NS = 500_000
 _SMALL_BYTES = 512
 _GATHER_S = 0.001
-
-
-@define
-class Tally:
-    """What has been read so far. One thread writes; any thread may read."""
-
-    frames: int = 0
-    received_bytes: int = 0
-    frame_errors: dict[str, int] = field(factory=dict)
-    reconnects: int = 0
-    last_data_ns: int | None = None
-    last_error: str = ""
 
 
 class ReaderThread:

@@ -4,10 +4,11 @@ import threading
 
 from imu_serial.config import SerialConfig
 from imu_serial.port import Port
-from imu_serial.reader_thread import ReaderThread, Tally
+from imu_serial.reader_thread import ReaderThread
 from rosbase.errors import TransportError
 from rosbase.transport import (
     OnFrame,
+    Tally,
     Transport,
     TransportContext,
     TransportHealth,
@@ -107,16 +108,7 @@ class SerialTransport(Transport):
     @property
     def health(self) -> TransportHealth:
         """How it is doing."""
-        tally = self._tally
-        return TransportHealth(
-            state=self._state(),
-            frames=tally.frames,
-            received_bytes=tally.received_bytes,
-            frame_errors=dict(tally.frame_errors),
-            reconnects=tally.reconnects,
-            last_data_ns=tally.last_data_ns,
-            last_error=tally.last_error,
-        )
+        return self._tally.health(self._state())
 
     def _state(self) -> TransportState:
         if self.is_open:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Protocol, TypeAlias
 
-from attrs import field, frozen
+from attrs import define, field, frozen
 
 from rosbase.clock import Clock
 from rosbase.logger import RosbaseLogger
@@ -23,6 +23,7 @@ from rosbase.parameters import ParameterValue
 __all__ = [
     "OnFrame",
     "SimulatedDevice",
+    "Tally",
     "Transport",
     "TransportContext",
     "TransportHealth",
@@ -58,6 +59,31 @@ class TransportHealth:
     """When bytes last arrived, on the monotonic clock; None if none ever did."""
     last_error: str = ""
     """Why the device could not be opened or was lost, the last time; one line."""
+
+
+@define
+class Tally:
+    """What a transport has counted so far. One thread writes; any thread may read."""
+
+    frames: int = 0
+    received_bytes: int = 0
+    frame_errors: dict[str, int] = field(factory=dict)
+    reconnects: int = 0
+    last_data_ns: int | None = None
+    last_error: str = ""
+
+    def health(self, state: TransportState) -> TransportHealth:
+        """All of it, at this moment."""
+        return TransportHealth(
+            state,
+            self.frames,
+            self.received_bytes,
+            # In one step, because the other thread may be counting.
+            dict(self.frame_errors),
+            self.reconnects,
+            self.last_data_ns,
+            self.last_error,
+        )
 
 
 @frozen

@@ -7,6 +7,8 @@ __all__ = ["IGNORED", "REASONS", "Reject"]
 REASONS: dict[str, str] = {
     "bad_json": "not valid JSON",
     "bad_quaternion": "the orientation is not a unit quaternion; is the order right?",
+    "duplicate": "sent again by the broker, and known already",
+    "empty": "nothing in it",
     "implausible": "gravity is not what it should be at rest; is the unit right?",
     "incomplete": "part of a vector is missing",
     "missing_group": "a required quantity is missing",
@@ -17,14 +19,18 @@ REASONS: dict[str, str] = {
     "not_data": "plain text, such as a boot message",
     "not_selected": "another kind of message on the same stream",
     "not_utf8": "bytes that are not text; check the baud rate",
+    "other_topic": "of another device under the same wildcard",
     "out_of_range": "a number too large to be one",
-    "overlong": "no end of line for too long; check the baud rate",
+    "overlong": "too long for a sample; is it the right device and baud rate?",
+    "retained": "kept by the broker from an earlier time",
     "too_deep": "nested too deeply",
     "wrong_type": "something else where a number is due",
 }
 """Every reason, with what it means or what to check."""
 
-IGNORED = frozenset({"not_active", "not_data", "not_selected"})
+IGNORED = frozenset(
+    {"duplicate", "not_active", "not_data", "not_selected", "other_topic", "retained"}
+)
 """Reasons that are no fault of the device."""
 
 

@@ -1,0 +1,1 @@
+"""The transport `mqtt` for rosbase: an IMU that sends JSON to an MQTT broker."""

@@ -1,0 +1,199 @@
+"""The parameters of a broker and a topic, and the settings that their values amount to."""
+
+import os
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import SplitResult, urlsplit
+
+from attrs import field, frozen
+
+from rosbase.errors import ParameterError, TransportError
+from rosbase.parameters import ParameterSpec, ParameterValue
+
+__all__ = ["PARAMETERS", "PASSWORD_VARIABLE", "Address", "MqttConfig"]
+
+PASSWORD_VARIABLE = "ROSBASE_MQTT_PASSWORD"
+"""The environment variable that may hold the password."""
+
+_PORTS = {"tcp": 1883, "mqtt": 1883, "mqtts": 8883, "ssl": 8883, "ws": 80, "wss": 443, "unix": 0}
+_SECURE = frozenset({"mqtts", "ssl", "wss"})
+
+
+def _text(name: str, default: str, description: str, *choices: str) -> ParameterSpec:
+    return ParameterSpec(name, default, description, choices=choices)
+
+
+PARAMETERS: tuple[ParameterSpec, ...] = (
+    _text(
+        "server_address",
+        "tcp://localhost:1883",
+        "the broker: tcp://, mqtt://, mqtts://, ws:// or wss:// host:port, or unix:///path",
+    ),
+    _text("mqtt_topic", "esp32/imu", "the topic; with + or #, of the first device that sends"),
+    ParameterSpec("qos", 0, "quality of service of the subscription", minimum=0, maximum=2),
+    _text("client_id", "", "how the broker knows this client; empty: made up, unique"),
+    ParameterSpec(
+        "keepalive", 15, "seconds of silence after which a ping is sent", minimum=1, maximum=65_535
+    ),
+    _text("mqtt_version", "3.1.1", "version of the protocol", "3.1.1", "5"),
+    _text("username", "", f"who we are; the password is in ${PASSWORD_VARIABLE} or a file"),
+    _text("password_file", "", "a file that holds the password, and nothing else"),
+    _text("tls_ca_file", "", "certificates to trust, in PEM; empty: those of the system"),
+    _text("tls_cert_file", "", "our own certificate, in PEM, if the broker asks for one"),
+    _text("tls_key_file", "", "the key of our own certificate, in PEM"),
+    _text(
+        "status_topic",
+        "",
+        "where `online` and `offline` are kept, as last will too; empty: nowhere",
+    ),
+    ParameterSpec(
+        "wait_for_broker",
+        default=False,
+        description="whether an absent broker is waited for, instead of a failure",
+    ),
+)
+"""What the transport adds to a reader's parameters. The first says which broker, and so on."""
+
+
+@frozen
+class Address:
+    """Where a broker is."""
+
+    scheme: str
+    host: str
+    """A name or an address; of a Unix socket, its path."""
+    port: int
+    path: str = "/mqtt"
+    """Of a WebSocket."""
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether it is reached through TLS."""
+        return self.scheme in _SECURE
+
+    def __str__(self) -> str:
+        place = self.host if self.scheme == "unix" else f"{self.host}:{self.port}"
+        return f"{self.scheme}://{place}"
+
+    @classmethod
+    def parse(cls, text: str) -> "Address":
+        """The address that a URL says.
+
+        Raises:
+            ParameterError: It is none, or says more than an address.
+        """
+        try:
+            url = urlsplit(text)
+            port = url.port
+        except ValueError as error:
+            raise ParameterError(f"parameter server_address: {error}") from error
+        if complaint := _complaint(url):
+            raise ParameterError(f"parameter server_address {complaint}")
+        if url.scheme == "unix":
+            return cls("unix", url.path, 0)
+        return cls(
+            url.scheme,
+            url.hostname or "",
+            _PORTS[url.scheme] if port is None else port,
+            url.path or "/mqtt",
+        )
+
+
+@frozen
+class MqttConfig:
+    """How to reach a broker, and what to read there."""
+
+    address: Address
+    topic: str
+    qos: int = 0
+    client_id: str = field(factory=lambda: f"rosbase-{uuid.uuid4().hex[:12]}")
+    keepalive_s: int = 15
+    version: str = "3.1.1"
+    username: str = ""
+    password_file: str = ""
+    ca_file: str = ""
+    cert_file: str = ""
+    key_file: str = ""
+    status_topic: str = ""
+    wait_for_broker: bool = False
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, ParameterValue]) -> "MqttConfig":
+        """The settings from checked parameter values.
+
+        Raises:
+            ParameterError: They contradict each other, or a topic is none.
+        """
+        given: dict[str, Any] = dict(values)
+        address = Address.parse(given["server_address"])
+        _check_topic("mqtt_topic", given["mqtt_topic"], may_be_filter=True)
+        if given["status_topic"]:
+            _check_topic("status_topic", given["status_topic"], may_be_filter=False)
+        if given["tls_key_file"] and not given["tls_cert_file"]:
+            raise ParameterError("parameter tls_key_file needs tls_cert_file")
+        files = [given[name] for name in ("tls_ca_file", "tls_cert_file", "tls_key_file")]
+        if any(files) and not address.is_secure:
+            raise ParameterError(f"parameters tls_*: {address} is not a secure address")
+        made_up = {"client_id": given["client_id"]} if given["client_id"] else {}
+        return cls(
+            address,
+            given["mqtt_topic"],
+            given["qos"],
+            keepalive_s=given["keepalive"],
+            version=given["mqtt_version"],
+            username=given["username"],
+            password_file=given["password_file"],
+            ca_file=files[0],
+            cert_file=files[1],
+            key_file=files[2],
+            status_topic=given["status_topic"],
+            wait_for_broker=given["wait_for_broker"],
+            **made_up,
+        )
+
+    @property
+    def is_filter(self) -> bool:
+        """Whether the topic stands for several."""
+        return "+" in self.topic or "#" in self.topic
+
+    def read_password(self) -> str | None:
+        """The password, from the file or the environment, as it is now.
+
+        Raises:
+            TransportError: The file cannot be read.
+        """
+        if not self.password_file:
+            return os.environ.get(PASSWORD_VARIABLE)
+        try:
+            return Path(self.password_file).read_text(encoding="utf-8").rstrip("\r\n")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = error.strerror if isinstance(error, OSError) else "it is not text"
+            raise TransportError(f"password_file {self.password_file}: {reason}") from error
+
+
+def _complaint(url: SplitResult) -> str:
+    """What is wrong with an address, without its secrets; empty if nothing."""
+    if url.scheme not in _PORTS:
+        return f"begins with one of {', '.join(f'{scheme}://' for scheme in _PORTS)}"
+    if url.username or url.password:
+        return f"takes no user and no password: set username, and ${PASSWORD_VARIABLE}"
+    if url.scheme == "unix":
+        return "" if url.path and not url.netloc else "unix:// takes an absolute path"
+    if not url.hostname:
+        return "names no host"
+    if url.query or url.fragment:
+        return "takes nothing behind the path"
+    return ""
+
+
+def _check_topic(name: str, topic: str, *, may_be_filter: bool) -> None:
+    if not topic or "\0" in topic or len(topic.encode()) > 65_535:
+        raise ParameterError(f"parameter {name} takes a topic, not {topic[:60]!r}")
+    levels = topic.split("/")
+    wild = [level for level in levels if "+" in level or "#" in level]
+    if wild and not may_be_filter:
+        raise ParameterError(f"parameter {name} takes one topic, without + and #")
+    if any(level not in ("+", "#") for level in wild) or "#" in levels[:-1]:
+        raise ParameterError(f"parameter {name}: + stands for a whole level, # for the last ones")

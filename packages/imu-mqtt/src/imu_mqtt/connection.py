@@ -1,0 +1,251 @@
+"""One connection to a broker, from its beginning to its end: the one module that touches paho.
+
+paho has a thread of its own to offer, which a callback that raises would end, which dials for
+ever, and which nobody can wake. Here it has none: whoever owns the connection calls `turn`, and
+paho's callbacks only note what happened.
+"""
+
+import select
+import socket
+import ssl
+from collections.abc import Callable
+from typing import Any, TypeAlias, cast
+
+import paho.mqtt.client as mqtt
+from paho.mqtt.enums import CallbackAPIVersion, MQTTErrorCode, MQTTProtocolVersion
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+
+from imu_mqtt.config import Address, MqttConfig
+from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
+from rosbase.clock import Clock
+from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
+
+__all__ = ["Connection", "OnMessage", "RefusedError"]
+
+OnMessage: TypeAlias = Callable[[mqtt.MQTTMessage], None]
+
+CONNECT_TIMEOUT_S = 1.5
+"""How long the network may take to reach the broker; and once more for the broker's answer."""
+
+_TURN_S = 0.05
+_GOODBYE_S = 0.2
+_TRANSPORTS = {"ws": "websockets", "wss": "websockets", "unix": "unix"}
+_ONLINE, _OFFLINE = b"online", b"offline"
+# Room for the topic beside the payload.
+_MAX_PACKET_BYTES = 2 * MAX_PAYLOAD_BYTES + 1024
+_MAX_QUEUED = 10
+
+
+class RefusedError(DevicePermissionError):
+    """The broker is there, and does not want this client as it is: trying again at once is idle."""
+
+
+class Connection:
+    """Talks to one broker. Everything happens on the thread that calls."""
+
+    def __init__(self, config: MqttConfig, clock: Clock, on_message: OnMessage) -> None:
+        """Prepares to connect.
+
+        Raises:
+            TransportError: The password or a certificate cannot be read.
+        """
+        self._config = config
+        self._clock = clock
+        self._refusal: str | None = None
+        self._is_accepted = False
+        self._answers: dict[int, list[Any]] = {}
+        self._end = ""
+        self.arrived_ns = 0
+        """When what is being read could be read, in nanoseconds since the epoch."""
+        self._poll = select.poll()
+        self._client = client = _client(config)
+        client.on_connect = self._on_connect
+        client.on_disconnect = self._on_disconnect
+        client.on_subscribe = self._on_subscribe
+        client.on_message = lambda _client, _data, message: on_message(message)
+
+    def open(self) -> None:
+        """Connects, and waits for the broker's answer; some seconds at most.
+
+        Raises:
+            RefusedError: The broker, or TLS, refuses.
+            TransportError: There is no broker, or no answer.
+        """
+        address = self._config.address
+        try:
+            self._client.connect(
+                address.host,
+                # Of a Unix socket paho wants one too, and does not use it.
+                address.port or 1,
+                self._config.keepalive_s,
+                properties=_limits() if self._config.version == "5" else None,
+            )
+        except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
+            raise _unreachable(address, error) from error
+        self._poll.register(self._socket(), select.POLLIN)
+        try:
+            self._await(lambda: self._is_accepted, f"no answer from {address}")
+        except TransportError:
+            self._client.disconnect()
+            raise
+        if self._config.status_topic:
+            self._say(_ONLINE)
+
+    def watch(self, fd: int) -> None:
+        """Has `turn` end when that descriptor can be read, too."""
+        self._poll.register(fd, select.POLLIN)
+
+    def subscribe(self) -> None:
+        """Subscribes, and waits for the broker's answer.
+
+        Raises:
+            RefusedError: The broker does not allow it.
+            TransportError: The connection was lost meanwhile, or there is no answer.
+        """
+        topic = self._config.topic
+        _, mid = self._client.subscribe(topic, self._config.qos)
+        if mid is None:
+            raise TransportError(self._end or "the connection was lost")
+        self._await(lambda: mid in self._answers, f"no answer to the subscription to {topic}")
+        for code in self._answers.pop(mid):
+            if code.is_failure:
+                raise RefusedError(f"the broker refuses the subscription to {topic}: {code}")
+
+    def unsubscribe(self) -> None:
+        """Asks for no more messages; some may still come."""
+        self._client.unsubscribe(self._config.topic)
+
+    def turn(self, timeout_s: float) -> bool:
+        """Waits for something to do and does it; tells whether the connection still stands."""
+        sock = self._client.socket()
+        if sock is None:
+            return False
+        # What TLS has decrypted, poll does not see.
+        pending = getattr(sock, "pending", lambda: 0)()
+        wants = select.POLLIN | (select.POLLOUT if self._client.want_write() else 0)
+        self._poll.modify(sock, wants)
+        ready = dict(self._poll.poll(0 if pending else timeout_s * 1000.0))
+        self.arrived_ns = self._clock.now_ns()
+        events = ready.get(sock.fileno(), 0)
+        if pending or events & ~select.POLLOUT:
+            self._client.loop_read()
+        if events & select.POLLOUT:
+            self._client.loop_write()
+        return self._client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
+
+    @property
+    def end(self) -> str:
+        """Why it ended, in one line."""
+        return self._end or "the connection was lost"
+
+    def close(self) -> None:
+        """Says goodbye, if the network takes it at once, and disconnects."""
+        if self._config.status_topic and self._client.is_connected():
+            self._say(_OFFLINE)
+        deadline_ns = self._clock.monotonic_ns() + int(_GOODBYE_S * 1e9)
+        while self._client.want_write() and self._clock.monotonic_ns() < deadline_ns:
+            if not self.turn(_TURN_S):
+                break
+        self._client.disconnect()
+        sock = self._client.socket()
+        if sock is not None:
+            # paho closes it when the broker does, which may be never.
+            sock.close()
+
+    def _socket(self) -> socket.socket:
+        return cast("socket.socket", self._client.socket())
+
+    def _say(self, status: bytes) -> None:
+        self._client.publish(self._config.status_topic, status, qos=1, retain=True)
+
+    def _await(self, is_there: Callable[[], bool], complaint: str) -> None:
+        deadline_ns = self._clock.monotonic_ns() + int(CONNECT_TIMEOUT_S * 1e9)
+        while not is_there():
+            stands = self.turn(_TURN_S)
+            if self._refusal is not None:
+                raise RefusedError(self._refusal)
+            if not stands and not is_there():
+                raise TransportError(f"{complaint}: {self.end}")
+            if self._clock.monotonic_ns() > deadline_ns:
+                raise TransportError(complaint)
+
+    # Called by paho, from within `turn`.
+
+    def _on_connect(self, client: Any, data: Any, flags: Any, code: Any, properties: Any) -> None:
+        if code.is_failure:
+            self._refusal = f"{self._config.address} refuses us: {code}"
+        else:
+            self._is_accepted = True
+
+    def _on_disconnect(
+        self, client: Any, data: Any, flags: Any, code: Any, properties: Any
+    ) -> None:
+        if flags.is_disconnect_packet_from_server:
+            self._end = f"{self._config.address} ended the connection: {code}"
+        else:
+            self._end = f"the connection to {self._config.address} was lost: {code}"
+
+    def _on_subscribe(
+        self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
+    ) -> None:
+        self._answers[mid] = codes
+
+
+def _client(config: MqttConfig) -> mqtt.Client:
+    is_5 = config.version == "5"
+    client = mqtt.Client(
+        CallbackAPIVersion.VERSION2,
+        client_id=config.client_id,
+        # What was sent while we were away is old, and would be stamped as new.
+        clean_session=None if is_5 else True,
+        protocol=MQTTProtocolVersion.MQTTv5 if is_5 else MQTTProtocolVersion.MQTTv311,
+        transport=cast(Any, _TRANSPORTS.get(config.address.scheme, "tcp")),
+        reconnect_on_failure=False,
+    )
+    client.connect_timeout = CONNECT_TIMEOUT_S
+    client.max_queued_messages_set(_MAX_QUEUED)
+    if client.transport == "websockets":
+        client.ws_set_options(config.address.path)
+    if config.username:
+        client.username_pw_set(config.username, config.read_password())
+    if config.address.is_secure:
+        client.tls_set_context(_tls(config))
+    if config.status_topic:
+        client.will_set(config.status_topic, _OFFLINE, qos=1, retain=True)
+    return client
+
+
+def _limits() -> Properties:
+    limits = Properties(PacketTypes.CONNECT)  # type: ignore[no-untyped-call]
+    limits.MaximumPacketSize = _MAX_PACKET_BYTES
+    return limits
+
+
+def _tls(config: MqttConfig) -> ssl.SSLContext:
+    try:
+        context = ssl.create_default_context(cafile=config.ca_file or None)
+        if config.cert_file:
+            context.load_cert_chain(config.cert_file, config.key_file or None)
+    except (OSError, ssl.SSLError) as error:
+        named = config.ca_file, config.cert_file, config.key_file
+        files = ", ".join(filter(None, named))
+        raise RefusedError(f"{files} cannot be used for TLS: {_one_line(error)}") from error
+    return context
+
+
+def _unreachable(address: Address, error: Exception) -> TransportError:
+    if isinstance(error, ssl.SSLError):
+        return RefusedError(f"{address}: TLS fails: {_one_line(error)}")
+    if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
+        return DeviceNotFoundError(f"there is no broker at {address}")
+    if isinstance(error, socket.gaierror):
+        return DeviceNotFoundError(f"{address}: the name is not known: {_one_line(error)}")
+    if isinstance(error, TimeoutError):
+        return DeviceNotFoundError(f"no answer from {address}")
+    return TransportError(f"{address}: {_one_line(error)}")
+
+
+def _one_line(error: Exception) -> str:
+    reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
+    return " ".join(str(reason).split())

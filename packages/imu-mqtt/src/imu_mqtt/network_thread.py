@@ -1,0 +1,238 @@
+"""The thread that keeps a connection to the broker, for as long as one is wanted."""
+
+import os
+import select
+import threading
+from typing import Any
+
+from imu_mqtt.config import MqttConfig
+from imu_mqtt.connection import Connection, RefusedError
+from imu_mqtt.subscription import Subscription
+from rosbase.backoff import Backoff
+from rosbase.errors import TransportError
+from rosbase.transport import Tally, TransportContext
+
+__all__ = ["NetworkThread"]
+
+_TURN_S = 0.5
+# Who was refused, or thrown out again and again, will be so for some time.
+_SLOW_S = 5.0
+# A connection that lasted so long was no mistake; so many that did not, in a row, are one.
+_PROVED_NS = 5_000_000_000
+_MANY_ENDS = 3
+
+
+class NetworkThread:
+    """Connects, subscribes while that is wanted, and begins again when the connection ends.
+
+    It alone touches the connection. Others say what is wanted, and wake it.
+    """
+
+    def __init__(self, config: MqttConfig, context: TransportContext, tally: Tally) -> None:
+        """Prepares to connect."""
+        self._config = config
+        self._context = context
+        self._tally = tally
+        self._wanted: Subscription | None = None
+        self._made: Subscription | None = None
+        self._connection: Connection | None = None
+        self._stopping = False
+        self._backoff, self._slow = Backoff(), Backoff(_SLOW_S / 2, _SLOW_S)
+        self._early_ends = 0
+        self._was_connected = False
+        self.is_connected = False
+        """Whether there is a connection at this moment."""
+        self._is_tried = threading.Event()
+        self._failure: TransportError | None = None
+        # A byte in the pipe wakes the thread wherever it waits in the kernel.
+        self._wake_read, self._wake_write = os.pipe()
+        os.set_blocking(self._wake_read, False)
+        os.set_blocking(self._wake_write, False)
+        # Guards the pipe against its end.
+        self._end_lock = threading.Lock()
+        self._has_ended = False
+        self._thread = threading.Thread(target=self._run, name="imu-mqtt", daemon=True)
+
+    def start(self) -> None:
+        """Begins."""
+        try:
+            self._thread.start()
+        except RuntimeError:
+            self._close_pipe()
+            raise
+
+    @property
+    def is_current_thread(self) -> bool:
+        """Whether the caller runs on this thread, which is to say within `on_frame`."""
+        return threading.current_thread() is self._thread
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the thread has ended or been asked to."""
+        return self._stopping or self._has_ended
+
+    def await_attempt(self, timeout_s: float) -> TransportError | None:
+        """Waits for the first attempt to connect; gives why it failed, if it did."""
+        if not self._is_tried.wait(timeout_s):
+            return TransportError(f"no answer from {self._config.address}")
+        return self._failure
+
+    def want(self, subscription: Subscription | None) -> None:
+        """Says which subscription there is to be from now on, if any."""
+        self._wanted = subscription
+        if subscription is not None and not self.is_connected:
+            # Made when there is a connection; nobody need wait for that.
+            subscription.answer()
+        self._wake()
+
+    def request_stop(self) -> None:
+        """Asks the thread to disconnect and end."""
+        self._stopping = True
+        self._wake()
+
+    def join(self, timeout_s: float) -> bool:
+        """Waits for the end; tells whether it came in time."""
+        self._thread.join(timeout_s)
+        return not self._thread.is_alive()
+
+    def _wake(self) -> None:
+        with self._end_lock:
+            if not self._has_ended:
+                try:
+                    os.write(self._wake_write, b"x")
+                except BlockingIOError:
+                    # It is being woken already.
+                    pass
+
+    # On the thread.
+
+    def _run(self) -> None:
+        try:
+            while not self._stopping:
+                self._sleep(self._connect_and_serve())
+        except BaseException as error:
+            self._tally.last_error = f"the reader failed: {error!r}"
+            self._failure = TransportError(self._tally.last_error)
+            self._context.logger.error(self._tally.last_error, exc_info=error)
+        finally:
+            self._close_pipe()
+            self._is_tried.set()
+
+    def _connect_and_serve(self) -> float:
+        """One connection, from its beginning to its end; gives how long to wait after it."""
+        clock = self._context.clock
+        began_ns = clock.monotonic_ns()
+        try:
+            self._connection = Connection(self._config, clock, self._take)
+            self._connection.open()
+            self._note_connected()
+            began_ns = clock.monotonic_ns()
+            self._serve(self._connection)
+        except TransportError as error:
+            return self._note_end(error, clock.monotonic_ns() - began_ns)
+        finally:
+            self._end_connection()
+        return 0.0
+
+    def _serve(self, connection: Connection) -> None:
+        connection.watch(self._wake_read)
+        while not self._stopping:
+            if self._wanted is not self._made:
+                self._resubscribe(connection)
+            if not connection.turn(_TURN_S):
+                raise TransportError(connection.end)
+            self._take_wakeups()
+
+    def _resubscribe(self, connection: Connection) -> None:
+        wanted = self._wanted
+        if self._made is not None:
+            connection.unsubscribe()
+        self._made = wanted
+        if wanted is None:
+            return
+        try:
+            connection.subscribe()
+        except RefusedError as error:
+            wanted.answer(error)
+            raise
+        wanted.answer()
+
+    def _take(self, message: Any) -> None:
+        subscription, connection = self._made, self._connection
+        if subscription is not None and connection is not None:
+            subscription.take(
+                message.payload,
+                connection.arrived_ns,
+                topic=message.topic,
+                retained=message.retain,
+                redelivered=message.dup,
+            )
+
+    def _note_connected(self) -> None:
+        self.is_connected = True
+        self._tally.reconnects += self._was_connected
+        self._tally.last_error = ""
+        self._is_tried.set()
+        state = "back at" if self._was_connected else "connected to"
+        self._context.logger.info(f"{state} {self._config.address}")
+        self._was_connected = True
+
+    def _note_end(self, error: TransportError, lasted_ns: int) -> float:
+        """Says why there is no connection; gives how long to wait before the next."""
+        if not self.is_connected:
+            self._failure = self._failure or error
+        elif lasted_ns >= _PROVED_NS:
+            self._early_ends = 0
+            self._backoff.reset()
+            self._slow.reset()
+        else:
+            self._early_ends += 1
+        self._is_tried.set()
+        if self._early_ends >= _MANY_ENDS:
+            error = TransportError(
+                f"{error}; again and again: is there another client {self._config.client_id!r}?"
+            )
+            self._say(error)
+            return self._slow.next_s()
+        self._say(error)
+        return (self._slow if isinstance(error, RefusedError) else self._backoff).next_s()
+
+    def _end_connection(self) -> None:
+        self.is_connected = False
+        self._made = None
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.close()
+        wanted = self._wanted
+        if wanted is not None:
+            wanted.answer()
+
+    def _sleep(self, seconds: float) -> None:
+        """Waits, unless the thread is to end."""
+        wakeup = select.poll()
+        wakeup.register(self._wake_read, select.POLLIN)
+        deadline_ns = self._context.clock.monotonic_ns() + int(seconds * 1e9)
+        while not self._stopping:
+            left_ns = deadline_ns - self._context.clock.monotonic_ns()
+            if left_ns <= 0:
+                return
+            wakeup.poll(left_ns / 1e6)
+            self._take_wakeups()
+
+    def _take_wakeups(self) -> None:
+        try:
+            os.read(self._wake_read, 64)
+        except BlockingIOError:
+            pass
+
+    def _close_pipe(self) -> None:
+        with self._end_lock:
+            self._has_ended = True
+            os.close(self._wake_read)
+            os.close(self._wake_write)
+
+    def _say(self, error: TransportError) -> None:
+        """Logs why there is no data, once for each reason in a row."""
+        if str(error) != self._tally.last_error:
+            self._tally.last_error = str(error)
+            self._context.logger.warning(f"{error}; trying again")

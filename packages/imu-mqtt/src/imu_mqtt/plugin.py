@@ -1,0 +1,59 @@
+"""Registers the transport `mqtt` and presets. Imports no network library."""
+
+from collections.abc import Iterable, Mapping
+
+from imu_mqtt.config import PARAMETERS, MqttConfig
+from rosbase.parameters import ParameterValue
+from rosbase.plugins import PresetPlugin, TransportPlugin, hookimpl
+from rosbase.transport import SimulatedDevice, Transport, TransportContext
+
+__all__ = ["rosbase_presets", "rosbase_transports"]
+
+
+def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
+    from imu_mqtt.transport import MqttTransport
+
+    return MqttTransport(MqttConfig.from_values(values), context)
+
+
+def _simulate() -> SimulatedDevice:
+    from imu_mqtt.simulator import BrokeredDevice
+
+    return BrokeredDevice()
+
+
+@hookimpl
+def rosbase_transports() -> Iterable[TransportPlugin]:
+    """Payloads from a topic of a broker."""
+    yield TransportPlugin(
+        "mqtt", "payloads from an MQTT broker", _create, parameters=PARAMETERS, simulate=_simulate
+    )
+
+
+@hookimpl
+def rosbase_presets() -> Iterable[PresetPlugin]:
+    """The payloads of firmwares that speak MQTT."""
+    yield PresetPlugin(
+        "esp32_workshop",
+        "ESP32 with an MPU6050 that sends accX .. gycZ in m/s^2 and rad/s, and a local time",
+        {
+            "angular_velocity.paths": ["gycX", "gycY", "gycZ"],
+            "angular_velocity.unit": "rad/s",
+            "linear_acceleration.paths": ["accX", "accY", "accZ"],
+            "linear_acceleration.unit": "m/s^2",
+            "time.paths": ["timestamp"],
+            "time.unit": "s",
+            "required": ["angular_velocity", "linear_acceleration"],
+        },
+    )
+    yield PresetPlugin(
+        "esp32_cjson",
+        "ESP32 that prints Ax .. Gz with cJSON, in g and deg/s",
+        {
+            "angular_velocity.paths": ["Gx", "Gy", "Gz"],
+            "angular_velocity.unit": "deg/s",
+            "linear_acceleration.paths": ["Ax", "Ay", "Az"],
+            "linear_acceleration.unit": "g",
+            "required": ["angular_velocity", "linear_acceleration"],
+        },
+    )

@@ -1,0 +1,123 @@
+"""A stand-in for a device that sends to a broker: both of them, in this process."""
+
+import asyncio
+import socket
+import threading
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+import paho.mqtt.client as mqtt
+from paho.mqtt.enums import CallbackAPIVersion
+
+from rosbase.errors import NotInstalledError, TransportError
+from rosbase.parameters import ParameterValue
+
+try:
+    from amqtt.broker import Broker
+except ImportError as error:
+    raise NotInstalledError(
+        "a simulated device over MQTT needs a broker: pip install 'imu-mqtt[broker]'"
+    ) from error
+
+__all__ = ["BrokeredDevice", "EmbeddedBroker"]
+
+_TOPIC = "esp32/imu"
+_PATIENCE_S = 5.0
+_MOST_UNDER_WAY = 20
+
+
+class EmbeddedBroker:
+    """A broker in Python, on a port of this machine's own, on a thread. For demos and tests."""
+
+    def __init__(self, port: int | None = None) -> None:
+        """Starts it.
+
+        Raises:
+            TransportError: It does not start.
+        """
+        self.port = port or _free_port()
+        """Where it listens."""
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="broker", daemon=True)
+        self._thread.start()
+        try:
+            self._broker = self._run(self._start())
+        except Exception as error:
+            self._end()
+            raise TransportError(f"the broker does not start: {error!r}") from error
+
+    @property
+    def address(self) -> str:
+        """What clients must be given."""
+        return f"tcp://127.0.0.1:{self.port}"
+
+    def close(self) -> None:
+        """Ends it, and every connection to it. Idempotent."""
+        if self._thread.is_alive():
+            self._run(self._broker.shutdown())
+            self._end()
+
+    async def _start(self) -> Any:
+        broker = Broker(
+            {
+                "listeners": {"default": {"type": "tcp", "bind": f"127.0.0.1:{self.port}"}},
+                "plugins": {"amqtt.plugins.authentication.AnonymousAuthPlugin": {}},
+            }
+        )
+        await broker.start()
+        return broker
+
+    def _run(self, what: Any) -> Any:
+        return asyncio.run_coroutine_threadsafe(what, self._loop).result(_PATIENCE_S)
+
+    def _end(self) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(_PATIENCE_S)
+        self._loop.close()
+
+
+class BrokeredDevice:
+    """A device that sends to an embedded broker."""
+
+    def __init__(self) -> None:
+        """Starts the broker, and connects to it.
+
+        Raises:
+            TransportError: One of the two does not work.
+        """
+        self._broker = EmbeddedBroker()
+        self._under_way: deque[mqtt.MQTTMessageInfo] = deque()
+        self._client = mqtt.Client(CallbackAPIVersion.VERSION2)
+        self._client.connect("127.0.0.1", self._broker.port)
+        self._client.loop_start()
+
+    @property
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """What the transport `mqtt` must be given to reach this device."""
+        return {"server_address": self._broker.address, "mqtt_topic": _TOPIC, "qos": 1}
+
+    def send(self, payload: bytes) -> None:
+        """Sends one payload. Waits while too many are under way.
+
+        Raises:
+            TransportError: The broker does not take it.
+        """
+        self._under_way.append(self._client.publish(_TOPIC, payload, qos=1))
+        while len(self._under_way) > _MOST_UNDER_WAY:
+            try:
+                self._under_way.popleft().wait_for_publish(_PATIENCE_S)
+            except (RuntimeError, ValueError) as error:
+                raise TransportError(f"the broker does not take it: {error}") from error
+
+    def close(self) -> None:
+        """Disconnects, and ends the broker. Idempotent."""
+        self._client.disconnect()
+        self._client.loop_stop()
+        self._broker.close()
+
+
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port: int = server.getsockname()[1]
+        return port

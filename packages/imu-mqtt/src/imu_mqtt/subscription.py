@@ -1,0 +1,107 @@
+"""One subscription, from start to stop: which messages are frames, and handing those over."""
+
+import threading
+from collections import deque
+
+from rosbase.errors import TransportError
+from rosbase.transport import OnFrame, Tally, TransportContext
+
+__all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
+
+MAX_PAYLOAD_BYTES = 65_536
+"""Longer payloads are refused. Known IMUs stay under 500 bytes."""
+
+_REMEMBERED = 100
+_CALLBACK_LOG_S = 5.0
+_BLANK = b"\0 \t\r\n"
+
+
+class Subscription:
+    """Takes messages on the network thread, in the order of their arrival."""
+
+    def __init__(
+        self, on_frame: OnFrame, tally: Tally, context: TransportContext, *, is_filter: bool
+    ) -> None:
+        """Begins with no message seen.
+
+        Args:
+            on_frame: Gets the frames.
+            tally: Where everything is counted.
+            context: For the log.
+            is_filter: Whether it has a wildcard. Of several topics the one that comes first is
+                read, for the samples of two devices make no sense together.
+        """
+        self._on_frame: OnFrame | None = on_frame
+        self._tally = tally
+        self._context = context
+        self._is_filter = is_filter
+        self._topic: str | None = None
+        self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
+        # Held while a frame is handed over.
+        self._delivering = threading.RLock()
+        self._is_answered = threading.Event()
+        self._refusal: TransportError | None = None
+
+    def answer(self, refusal: TransportError | None = None) -> None:
+        """Notes what the broker has said, or that nobody is there to say anything."""
+        self._refusal = refusal
+        self._is_answered.set()
+
+    def await_answer(self, timeout_s: float) -> TransportError | None:
+        """Waits for the broker's answer; gives why it refuses, if it does."""
+        self._is_answered.wait(timeout_s)
+        return self._refusal
+
+    def end(self, timeout_s: float) -> bool:
+        """Hands over no more; tells whether the last `on_frame` returned in time."""
+        self._on_frame = None
+        # From within `on_frame` it is held already, by this thread.
+        if not self._delivering.acquire(timeout=timeout_s):
+            return False
+        self._delivering.release()
+        return True
+
+    def take(
+        self, payload: bytes, stamp_ns: int, *, topic: str, retained: bool, redelivered: bool
+    ) -> None:
+        """Hands a message over, or counts why it is no frame."""
+        tally = self._tally
+        tally.last_data_ns = self._context.clock.monotonic_ns()
+        tally.received_bytes += len(payload)
+        reason = self._refuses(payload, topic, retained, redelivered)
+        if reason:
+            tally.frame_errors[reason] = tally.frame_errors.get(reason, 0) + 1
+            return
+        with self._delivering:
+            on_frame = self._on_frame
+            if on_frame is None:
+                return
+            tally.frames += 1
+            try:
+                on_frame(payload, stamp_ns)
+            except BaseException as error:
+                # The boundary to the user's code: one bad frame must not end the stream.
+                if self._context.logger.due("on_frame", _CALLBACK_LOG_S):
+                    self._context.logger.error(f"on_frame raised {error!r}", exc_info=error)
+
+    def _refuses(self, payload: bytes, topic: str, retained: bool, redelivered: bool) -> str:
+        """Why a message is no frame, in one word; empty if it is one."""
+        if retained:
+            # It was sent before anybody asked, nobody knows when.
+            return "retained"
+        if not payload.strip(_BLANK):
+            return "empty"
+        if len(payload) > MAX_PAYLOAD_BYTES:
+            return "overlong"
+        if self._is_filter and not self._is_of_device(topic):
+            return "other_topic"
+        if redelivered and payload in self._recent:
+            return "duplicate"
+        self._recent.append(payload)
+        return ""
+
+    def _is_of_device(self, topic: str) -> bool:
+        if self._topic is None:
+            self._topic = topic
+            self._context.logger.info(f"reading {topic}")
+        return topic == self._topic
