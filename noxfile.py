@@ -21,6 +21,7 @@ EXAMPLES = Path("docs/examples")
 DISTRIBUTIONS = {
     "rosbase-core": (["rosbase-core"], "tests/core"),
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
+    "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
 }
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
