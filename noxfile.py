@@ -25,6 +25,8 @@ DISTRIBUTIONS = {
 }
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
+# What a wheel is to be installed with, by the name of its package.
+EXTRAS = {"imu_mqtt": "[broker]"}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3"]
 LINTERS = ["ruff==0.17.6"]
 OLDEST = "3.11"
@@ -52,7 +54,8 @@ def _install_wheels(session: nox.Session, *names: str) -> None:
     shutil.rmtree(wheels, ignore_errors=True)
     sources = [str(PACKAGES / name) for name in names]
     session.run("python", "-m", "pip", "wheel", "-q", "--no-deps", "-w", str(wheels), *sources)
-    session.install("--force-reinstall", *(str(wheel) for wheel in wheels.glob("*.whl")))
+    found = (f"{wheel}{EXTRAS.get(wheel.name.split('-')[0], '')}" for wheel in wheels.glob("*.whl"))
+    session.install("--force-reinstall", *found)
 
 
 @nox.session(python=PYTHONS)
@@ -69,7 +72,7 @@ def tests(session: nox.Session, distribution: str) -> None:
 def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
     session.install(*TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
+    _install_wheels(session, *ALL)
     session.run("pytest", "-q", "tests/ros2", *session.posargs)
 
 
@@ -77,7 +80,7 @@ def ros2(session: nox.Session) -> None:
 def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
     session.install(*TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "imu-serial")
+    _install_wheels(session, *DISTRIBUTIONS)
     session.run("pytest", "-q", "tests/integration", *session.posargs)
 
 
@@ -85,7 +88,7 @@ def integration(session: nox.Session) -> None:
 def docs(session: nox.Session) -> None:
     """Every code block of the READMEs and the documentation, run."""
     session.install(*TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "imu-serial")
+    _install_wheels(session, *DISTRIBUTIONS)
     session.run("pytest", "-q", "tests/docs", *session.posargs)
 
 
@@ -101,9 +104,9 @@ def lint(session: nox.Session) -> None:
 def typing(session: nox.Session) -> None:
     """The types of everything, tests too, under mypy's strictest rules."""
     session.install("mypy==2.4.1", "nox", "types-pyserial", *TEST_TOOLS)
-    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
+    _install_wheels(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
-    for folder in ("core", "imu_serial", "ros2", "integration", "docs", "benchmarks"):
+    for folder in ("core", "imu_serial", "imu_mqtt", "ros2", "integration", "docs", "benchmarks"):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
     for example in sorted(EXAMPLES.glob("*/")):
         # One by one: each is run from its own folder, and module names repeat.
@@ -114,14 +117,14 @@ def typing(session: nox.Session) -> None:
 def imports(session: nox.Session) -> None:
     """Who may import whom."""
     session.install("import-linter==2.16")
-    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
+    _install_wheels(session, *ALL)
     session.run("lint-imports")
 
 
 @nox.session
 def demo(session: nox.Session) -> None:
     """The command that a newcomer runs first."""
-    _install_wheels(session, "rosbase-core", "imu-serial")
+    _install_wheels(session, *DISTRIBUTIONS)
     session.run("rosbase", "plugins")
     session.run("rosbase", "demo", "--duration", "5")
 
@@ -157,6 +160,6 @@ def colcon(session: nox.Session) -> None:
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing written by hand; prints tables."""
-    _install_wheels(session, "rosbase-core", "imu-serial", "rosbase-ros2")
+    _install_wheels(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
         session.run("python", str(benchmark), *session.posargs)
