@@ -103,7 +103,9 @@ def test_a_name_that_ros_refuses_is_an_error_in_one_line(backend: Ros2Backend) -
 
 def test_a_message_of_another_class_is_refused(backend: Ros2Backend) -> None:
     publisher = backend.create_publisher(String, "words", 10)
-    with pytest.raises(TypeError, match="/words takes String, not Imu"):
+    with pytest.raises(
+        TypeError, match="/words takes String, not Imu"
+    ):
         publisher.publish(Imu())
 
 
@@ -275,7 +277,7 @@ backend.close()
 
 def run_with(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", ROS_ARGUMENTS, "--ros-args", *arguments],
+        [sys.executable, "-c", ROS_ARGUMENTS, *arguments],
         check=False,
         capture_output=True,
         text=True,
@@ -285,19 +287,28 @@ def run_with(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def test_ros_arguments_set_parameters_names_and_namespaces() -> None:
     done = run_with(
-        "-p", "rate:=7", "-r", "words:=letters", "-r", "__ns:=/robot", "-r", "__node:=eve"
+        *("--ros-args", "-p", "rate:=7", "-r", "words:=letters"),
+        *("-r", "__ns:=/robot", "-r", "__node:=eve"),
     )
     assert done.stdout.splitlines() == ["7.0", "/robot/letters /robot/eve"], done.stderr
+
+
+def test_what_stands_outside_of_ros_args_is_no_remapping_and_no_warning() -> None:
+    done = run_with(
+        *("-p", "words:=/dev/ttyUSB0", "--ros-args", "-r", "__node:=eve", "--", "words:=letters"),
+        *("--ros-args", "-p", "rate:=7"),
+    )
+    assert (done.stdout.splitlines(), done.stderr) == (["7.0", "/words /eve"], "")
 
 
 def test_a_parameter_file_is_read(tmp_path: Any) -> None:
     file = tmp_path / "params.yaml"
     file.write_text("n:\n  ros__parameters:\n    rate: 3.5\n")
-    assert run_with("--params-file", str(file)).stdout.splitlines()[0] == "3.5"
+    assert run_with("--ros-args", "--params-file", str(file)).stdout.splitlines()[0] == "3.5"
 
 
 def test_a_wrong_ros_argument_is_one_line() -> None:
-    done = run_with("-p", "rate")
+    done = run_with("--ros-args", "-p", "rate")
     assert "ROS 2 does not start" in done.stderr.splitlines()[-1]
 
 

@@ -1,6 +1,7 @@
 """The `ros2` backend: an rclpy node of its own, handled on the main-loop thread."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import rclpy
@@ -187,7 +188,11 @@ class Ros2Backend(Backend):
 
 def _start_node(context: Any, options: BackendOptions) -> Any:
     try:
-        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(
+            args=_ros_arguments(sys.argv),
+            context=context,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
         overrides = [
             rclpy.Parameter(name, value=value)
             for name, value in options.parameter_overrides.items()
@@ -201,6 +206,22 @@ def _start_node(context: Any, options: BackendOptions) -> Any:
     except Exception as error:
         context.try_shutdown()
         raise BackendError(f"ROS 2 does not start: {' '.join(str(error).split())}") from error
+
+
+def _ros_arguments(command_line: Iterable[str]) -> list[str]:
+    """What stands behind `--ros-args`, up to `--` or the end, with these two.
+
+    Nothing else is for ROS: rcl takes a `name:=value` of the program itself for a remapping in
+    the style of ROS 1, heeds it, and warns of it.
+    """
+    found: list[str] = []
+    within = False
+    for argument in command_line:
+        within = within or argument == "--ros-args"
+        if within:
+            found.append(argument)
+        within = within and argument != "--"
+    return found
 
 
 def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
