@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import rclpy
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
+from std_msgs.msg import Header as RosHeader
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseHandlers, BaseManager, BaseNode
@@ -104,9 +105,21 @@ def test_a_name_that_ros_refuses_is_an_error_in_one_line(backend: Ros2Backend) -
 def test_a_message_of_another_class_is_refused(backend: Ros2Backend) -> None:
     publisher = backend.create_publisher(String, "words", 10)
     with pytest.raises(
-        TypeError, match="/words takes String, not Imu"
+        TypeError, match=r"/words takes rosbase\.messages\.String, not rosbase\.messages\.Imu"
     ):
         publisher.publish(Imu())
+
+
+def test_a_message_of_a_class_with_the_same_name_is_told_apart(backend: Ros2Backend) -> None:
+    words = backend.create_publisher(String, "words", 10)
+    with pytest.raises(TypeError, match=r"takes rosbase\.messages\.String, not std_msgs\."):
+        words.publish(RosString(data="hello"))
+    samples = backend.create_publisher(Imu, "imu", 10)
+    wrong: Any = RosHeader()
+    with pytest.raises(
+        TypeError, match=r"Imu\.header takes messages of type Header, not std_msgs\."
+    ):
+        samples.publish(Imu(wrong))
 
 
 def test_private_and_relative_names_are_those_of_ros(backend: Ros2Backend) -> None:

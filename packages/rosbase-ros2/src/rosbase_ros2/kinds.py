@@ -23,6 +23,7 @@ __all__ = [
     "as_text",
     "basic_kind",
     "list_check",
+    "name_of",
     "numbers_back",
 ]
 
@@ -165,8 +166,16 @@ def list_check(element: str, each: Check, size: int | None) -> Check:
 
 
 def _wrong(value: object, where: str, wanted: str) -> TypeError:
-    found = "None" if value is None else type(value).__name__
-    return TypeError(f"{where} takes {wanted}, not {found}")
+    return TypeError(f"{where} takes {wanted}, not {name_of(type(value))}")
+
+
+def name_of(kind: type) -> str:
+    """What an error calls a class: rosbase and ROS have many of the same name."""
+    if kind is type(None):
+        return "None"
+    if kind.__module__ == "builtins":
+        return kind.__name__
+    return f"{kind.__module__}.{kind.__name__}"
 
 
 def numbers_back(values: Any) -> tuple[Any, ...]:

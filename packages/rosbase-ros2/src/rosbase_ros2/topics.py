@@ -8,6 +8,7 @@ from rosbase.messages import Imu, MagneticField
 from rosbase.queued_subscription import QueuedSubscription
 from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
 from rosbase_ros2.conversion import Converter
+from rosbase_ros2.kinds import name_of
 
 __all__ = ["RosPublisher", "RosSubscription"]
 
@@ -41,7 +42,7 @@ class RosPublisher:
         """
         if type(message) is not self._msg_type:
             raise TypeError(
-                f"{self.topic} takes {self._msg_type.__name__}, not {type(message).__name__}"
+                f"{self.topic} takes {name_of(self._msg_type)}, not {name_of(type(message))}"
             )
         send = self._send
         if send is not None:
