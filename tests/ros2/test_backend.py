@@ -325,6 +325,11 @@ def test_a_wrong_ros_argument_is_one_line() -> None:
     assert "ROS 2 does not start" in done.stderr.splitlines()[-1]
 
 
+def test_an_argument_that_ros_does_not_know_is_named_as_such() -> None:
+    done = run_with("--ros-args", "--bogus")
+    assert "not known behind --ros-args: ['--bogus']" in done.stderr.splitlines()[-1]
+
+
 @pytest.mark.parametrize("example", ["pick_place", "quadruped"])
 def test_the_examples_run_on_ros_without_a_changed_line(example: str) -> None:
     done = subprocess.run(

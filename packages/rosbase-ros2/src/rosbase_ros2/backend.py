@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from rosbase.backend import (
@@ -205,7 +206,11 @@ def _start_node(context: Any, options: BackendOptions) -> Any:
         )
     except Exception as error:
         context.try_shutdown()
-        raise BackendError(f"ROS 2 does not start: {' '.join(str(error).split())}") from error
+        reason = " ".join(str(error).split())
+        if isinstance(error, rclpy_implementation.UnknownROSArgsError):
+            # rclpy has nothing to say but the list of them.
+            reason = f"not known behind --ros-args: {reason}"
+        raise BackendError(f"ROS 2 does not start: {reason}") from error
 
 
 def _ros_arguments(command_line: Iterable[str]) -> list[str]:
