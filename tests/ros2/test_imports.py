@@ -8,6 +8,7 @@ import pytest
 
 from rosbase.errors import NotInstalledError
 from rosbase_ros2.imports import check_rclpy
+from support.command import run_rosbase
 
 
 def test_rclpy_from_the_package_index_is_fine() -> None:
@@ -21,6 +22,21 @@ def test_a_missing_rclpy_is_one_line_that_says_what_to_install(
     with pytest.raises(NotInstalledError, match=r"pip install.*fastrtps") as caught:
         check_rclpy()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["rmw_zenoh_cpp", "no such thing"])
+def test_a_middleware_that_is_named_and_not_there_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setenv("RMW_IMPLEMENTATION", name)
+    done = run_rosbase("imu", "--backend", "ros2")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert f"RMW_IMPLEMENTATION is {name}" in done.stderr
+
+
+def test_a_middleware_that_is_named_and_there_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+    check_rclpy()
 
 
 # What the wheels say, on a Python that they were not built for, and without their extra.

@@ -1,10 +1,15 @@
 """Says in one line what is missing, where rclpy cannot be imported."""
 
+import os
+import subprocess
 import sys
 
 from rosbase.errors import NotInstalledError
 
 __all__ = ["check_rclpy"]
+
+# The status with which rcl ends the process (rmw_implementation_identifier_check.c).
+_NO_SUCH_MIDDLEWARE = 102
 
 
 def check_rclpy() -> None:
@@ -14,10 +19,24 @@ def check_rclpy() -> None:
         NotInstalledError: One of them is missing or was made for another Python; the line says
             what to install.
     """
+    _check_middleware()
     try:
         import rclpy  # noqa: F401, PLC0415 - only to see whether it can be
     except Exception as error:
         raise NotInstalledError(_explain(error)) from error
+
+
+def _check_middleware() -> None:
+    name = os.environ.get("RMW_IMPLEMENTATION")
+    if not name:
+        return
+    # Importing rclpy ends the process, if it has not the middleware that is named.
+    command = [sys.executable, "-P", "-c", "import rclpy"]
+    if subprocess.run(command, capture_output=True, check=False).returncode == _NO_SUCH_MIDDLEWARE:
+        raise NotInstalledError(
+            f"RMW_IMPLEMENTATION is {name}, which this rclpy does not have:"
+            " install it, or unset the variable"
+        )
 
 
 def _explain(error: Exception) -> str:
