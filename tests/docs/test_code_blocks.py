@@ -111,9 +111,10 @@ def test_the_mapping_page_names_every_preset_and_every_mapping_parameter() -> No
             assert spec.name in page or f".{spec.name.rpartition('.')[2]}`" in page, spec.name
 
 
-def test_the_serial_readme_names_every_parameter_with_its_default() -> None:
-    page = (ROOT / "packages/imu-serial/README.md").read_text()
-    for spec in installed_plugins().transport("serial").parameters:
+@pytest.mark.parametrize("transport", ["serial", "mqtt"])
+def test_a_transports_readme_names_every_parameter_with_its_default(transport: str) -> None:
+    page = (ROOT / f"packages/imu-{transport}/README.md").read_text()
+    for spec in installed_plugins().transport(transport).parameters:
         default = str(spec.default).lower() if isinstance(spec.default, bool) else str(spec.default)
         row = next(line for line in page.splitlines() if line.startswith(f"| `{spec.name}`"))
         assert default in row
