@@ -4,12 +4,13 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 import rclpy
+from rclpy.exceptions import InvalidHandle
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 from std_msgs.msg import Header as RosHeader
 from std_msgs.msg import String as RosString
@@ -140,6 +141,34 @@ def test_a_destroyed_publisher_and_subscription_are_gone_from_the_graph(
     spin_until(backend, lambda: backend.node.count_publishers("/words") == 0)
     spin_until(backend, lambda: backend.node.count_subscribers("/words") == 0)
     publisher.publish(String("nobody"))
+
+
+def test_a_message_whose_publisher_another_thread_ends_meanwhile_is_no_error(
+    backend: Ros2Backend,
+) -> None:
+    def end(message: object) -> RosString:
+        backend.destroy_publisher(words)
+        spin_until(backend, lambda: backend.node.count_publishers("/words") == 0)
+        return RosString()
+
+    def end_samples() -> Iterator[float]:
+        backend.destroy_publisher(samples)
+        spin_until(backend, lambda: backend.node.count_publishers("/imu/data") == 0)
+        yield from (0.0, 0.0, 0.0, 1.0)
+
+    words = backend.create_publisher(String, "words", 10)
+    cast("Any", words)._to_ros = end
+    words.publish(String("x"))
+    samples = backend.create_publisher(Imu, "imu/data", 10)
+    send: Any = backend.imu_sender(samples, Imu())
+    send(7, end_samples(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def test_a_publisher_that_the_program_destroys_by_hand_is_an_error(backend: Ros2Backend) -> None:
+    words = backend.create_publisher(String, "words", 10)
+    backend.node.destroy_publisher(cast("Any", words).inner)
+    with pytest.raises(InvalidHandle):
+        words.publish(String("x"))
 
 
 def test_declared_parameters_are_parameters_of_the_node(backend: Ros2Backend) -> None:

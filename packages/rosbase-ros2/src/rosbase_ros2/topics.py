@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.exceptions import InvalidHandle
+
 from rosbase.imu_sender import ImuSender
 from rosbase.messages import Imu, MagneticField
 from rosbase.queued_subscription import QueuedSubscription
@@ -46,7 +48,12 @@ class RosPublisher:
             )
         send = self._send
         if send is not None:
-            send(self._to_ros(message))
+            try:
+                send(self._to_ros(message))
+            except InvalidHandle:
+                # Another thread may have ended it meanwhile.
+                if self._send is not None:
+                    raise
 
     def imu_sender(self, template: Imu) -> ImuSender:
         """What sends samples that are like the template; nothing once the publisher has ended."""
@@ -55,7 +62,11 @@ class RosPublisher:
         def send_sample(*sample: Any) -> None:
             send = self._send
             if send is not None:
-                send(pack(*sample))
+                try:
+                    send(pack(*sample))
+                except InvalidHandle:
+                    if self._send is not None:
+                        raise
 
         return send_sample
 
