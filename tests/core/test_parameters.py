@@ -55,6 +55,8 @@ def test_text_becomes_a_value_of_the_parameter(
         (MODE, "loud", "parameter mode is one of warn, off, not 'loud'"),
         (STDDEV, "[0.1, x]", "parameter stddev takes numbers"),
         (STDDEV, "-1", "parameter stddev is at least 0, not -1"),
+        (NAME, "imu\0link", r"parameter name takes no NUL, as in 'imu\x00link'"),
+        (PATHS, "ax, a\0y", r"parameter paths takes no NUL, as in ['ax', 'a\x00y']"),
     ],
 )
 def test_a_wrong_value_is_one_line_that_names_the_parameter(

@@ -82,12 +82,16 @@ def check_value(spec: ParameterSpec, value: object) -> ParameterValue:
     """The value as the parameter's own type.
 
     Raises:
-        ParameterError: It is of another type, not finite, out of range, or no choice.
+        ParameterError: It is of another type, not finite, out of range, no choice, or a text
+            with a NUL, which neither the system nor ROS takes.
     """
     checked = _as_kind(spec, value)
-    for number in checked if isinstance(checked, list) else [checked]:
-        if isinstance(number, (int, float)) and not isinstance(number, bool):
-            _check_number(spec, number)
+    for item in checked if isinstance(checked, list) else [checked]:
+        if isinstance(item, str):
+            if "\0" in item:
+                raise ParameterError(f"parameter {spec.name} takes no NUL, as in {_shown(value)}")
+        elif not isinstance(item, bool):
+            _check_number(spec, item)
     if spec.choices and checked not in spec.choices:
         raise ParameterError(
             f"parameter {spec.name} is one of {', '.join(spec.choices)}, not {_shown(value)}"
