@@ -78,6 +78,17 @@ def test_a_device_that_cannot_be_opened_is_an_error_until_it_can(
     assert rig.status().level == DiagnosticStatus.OK
 
 
+def test_an_error_in_any_text_is_said_in_one_that_ros_can_send(
+    rigs: Callable[..., Diagnosed],
+) -> None:
+    rig = rigs(failure=DeviceNotFoundError("/dev/\udcff\0imu is not there"))
+    assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
+    assert rig.status().message == r"unconfigured: /dev/\udcff\0imu is not there"
+    rig.registry.failure = None
+    rig.activate().transport.failure = DeviceNotFoundError("\udcff\0")
+    assert rig.values()["last error"] == r"\udcff\0"
+
+
 def test_a_fault_while_active_is_an_error_until_it_is_brought_up_again(
     rigs: Callable[..., Diagnosed],
 ) -> None:

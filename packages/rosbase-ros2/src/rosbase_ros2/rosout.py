@@ -11,6 +11,8 @@ from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from rosbase.sendable import sendable
+
 __all__ = ["RosoutHandler"]
 
 _TYPE = "rcl_interfaces/msg/Log"
@@ -66,16 +68,11 @@ def _to_ros(record: logging.LogRecord, node_name: str) -> Any:
         # ROS knows these five only, and the tools look them up.
         level=min(50, max(10, record.levelno // 10 * 10)),
         name=node_name,
-        msg=_sendable(record.getMessage()),
-        file=_sendable(record.pathname),
+        msg=sendable(record.getMessage()),
+        file=sendable(record.pathname),
         function=record.funcName or "",
         line=record.lineno,
     )
     stamp_ns = int(record.created * _NS_PER_S)
     message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, _NS_PER_S)
     return message
-
-
-def _sendable(text: str) -> str:
-    """ROS would cut at a NUL, and cannot send half a surrogate pair."""
-    return text.replace("\0", "\\0").encode(errors="backslashreplace").decode()

@@ -10,6 +10,7 @@ from rosbase.imu.health import Health
 from rosbase.imu.settings import ReaderSettings
 from rosbase.lifecycle import CallbackReturn, State, TransitionEvent
 from rosbase.messages import DiagnosticArray, DiagnosticStatus, Header, KeyValue
+from rosbase.sendable import sendable
 from rosbase.transport import TransportHealth
 
 __all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
@@ -84,9 +85,12 @@ class Diagnostics:
         return DiagnosticStatus(
             level=level,
             name=self._name,
-            message=message,
-            hardware_id=settings.device,
-            values=tuple(KeyValue(key, value) for key, value in self._values(state, settings)),
+            # What an error says is anybody's text, and must not end the reader.
+            message=sendable(message),
+            hardware_id=sendable(settings.device),
+            values=tuple(
+                KeyValue(key, sendable(value)) for key, value in self._values(state, settings)
+            ),
         )
 
     def _values(self, state: State, settings: ReaderSettings) -> Iterator[tuple[str, str]]:
