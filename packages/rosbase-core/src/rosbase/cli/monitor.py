@@ -1,6 +1,7 @@
 """Listens to what the reader publishes: how much, how late, and what was last."""
 
 import json
+import math
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -12,13 +13,25 @@ from rosbase.node import BaseNode
 
 __all__ = ["SampleMonitor", "message_to_json"]
 
+_encode = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
+
 # Ten seconds of a fast IMU, for a terminal or a pipe that stalls.
 _DEPTH = 10_000
 
 
 def message_to_json(message: Imu | MagneticField) -> str:
-    """The message as one line of JSON, with the names that sensor_msgs gives its fields."""
-    return json.dumps(attrs.asdict(message), separators=(",", ":"), allow_nan=False)
+    """The message as one line of JSON, with the names that sensor_msgs gives its fields.
+
+    JSON has no number for what is not finite, as others on the topic may send it: it is null.
+    """
+    try:
+        return _encode(attrs.asdict(message))
+    except ValueError:
+        return _encode(attrs.asdict(message, value_serializer=_finite_or_none))
+
+
+def _finite_or_none(owner: object, attribute: object, value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 class SampleMonitor(BaseNode):
