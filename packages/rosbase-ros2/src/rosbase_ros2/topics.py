@@ -40,7 +40,8 @@ class RosPublisher:
         """Converts the message and sends it; nothing once the publisher has ended.
 
         Raises:
-            TypeError: It is not of the topic's class.
+            TypeError: It is not of the topic's class, or a field has a value of the wrong kind.
+            ValueError: A value is out of the range of its field.
         """
         if type(message) is not self._msg_type:
             raise TypeError(
