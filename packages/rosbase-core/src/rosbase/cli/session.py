@@ -50,9 +50,8 @@ class ReaderHandlers(BaseHandlers):
         if self._start_ns is None:
             self._start_ns = self._shown_ns = now_ns
         self.manager.flush()
-        if self.manager.is_quiet:
-            pass
-        elif now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9:
+        is_due = now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9
+        if is_due and not self.manager.is_quiet:
             self._show(now_ns)
         if self._duration_s is not None and now_ns - self._start_ns >= self._duration_s * 1e9:
             self.manager.request_stop()
