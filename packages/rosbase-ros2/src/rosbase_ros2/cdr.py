@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 from rosbase.messages import Header, Imu, MagneticField, Quaternion, Time, Vector3
 from rosbase_ros2.kinds import as_float, as_floats, as_int, as_message, as_text
 
-__all__ = ["ImuEncoder", "MagneticFieldEncoder"]
+__all__ = ["ImuEncoder", "MagneticFieldEncoder", "sample_packer"]
 
 _LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _FRAMES_KEPT = 64
