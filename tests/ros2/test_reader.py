@@ -199,7 +199,7 @@ class Slow(Transport):
     def open(self):
         if not self.is_open:
             self.logger.info("opening")
-            time.sleep(0.5)
+            time.sleep(0.25)
             self.is_open = True
 
     def start(self, on_frame): pass
@@ -208,7 +208,7 @@ class Slow(Transport):
     def close(self):
         if self.is_open:
             self.logger.info("closing")
-            time.sleep(0.5)
+            time.sleep(0.25)
             self.is_open = False
             self.logger.info("closed")
 
@@ -220,7 +220,7 @@ def rosbase_transports():
 
 @contextmanager
 def reading_slowly(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningRosbase]:
-    """A reader whose device takes half a second to open and to close."""
+    """A reader whose device takes a quarter of a second to open, and to close."""
     install_plugin(folder, "slow", "slow", SLOW_TRANSPORT)
     path = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
     monkeypatch.setenv("PYTHONPATH", path)
