@@ -17,7 +17,7 @@ def test_a_sample_is_one_line_of_json_with_the_names_of_ros() -> None:
 
 
 def test_what_another_node_sends_that_is_no_number_is_null() -> None:
-    covariance = (-math.inf, *[1.0] * 7, math.nan)
+    covariance = (-math.inf, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, math.nan)
     field = MagneticField(Header(), Vector3(1e-5, math.inf, math.nan), covariance)
     sample = json.loads(message_to_json(field))
     assert sample["magnetic_field"] == {"x": 1e-5, "y": None, "z": None}
