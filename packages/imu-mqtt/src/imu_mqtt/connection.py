@@ -16,6 +16,7 @@ from paho.mqtt.enums import CallbackAPIVersion, MQTTErrorCode, MQTTProtocolVersi
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
+from imu_mqtt.buffered_socket import BufferedSocket, SocketWrapper
 from imu_mqtt.config import Address, MqttConfig
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.clock import Clock
@@ -27,6 +28,13 @@ OnMessage: TypeAlias = Callable[[mqtt.MQTTMessage], None]
 
 CONNECT_TIMEOUT_S = 1.5
 """How long the network may take to reach the broker; and once more for the broker's answer."""
+
+# Waking up for each message costs more than the message. Where they come more often than so,
+# they are left to gather for a moment.
+_HURRIED_HZ = 1500
+_WINDOW_NS = 100_000_000
+_GATHER_S = 0.002
+_MOST_PACKETS = 100
 
 _TURN_S = 0.05
 _GOODBYE_S = 0.2
@@ -59,6 +67,8 @@ class Connection:
         self.arrived_ns = 0
         """When what is being read could be read, in nanoseconds since the epoch."""
         self._poll = select.poll()
+        self._wants = select.POLLIN
+        self._packets, self._measured_ns, self._is_hurried = 0, clock.monotonic_ns(), False
         self._client = client = _client(config)
         client.on_connect = self._on_connect
         client.on_disconnect = self._on_disconnect
@@ -83,7 +93,8 @@ class Connection:
             )
         except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
             raise _unreachable(address, error) from error
-        self._poll.register(self._socket(), select.POLLIN)
+        self._socket = cast("BufferedSocket", self._client.socket())
+        self._poll.register(self._socket, select.POLLIN)
         try:
             self._await(lambda: self._is_accepted, f"no answer from {address}")
         except TransportError:
@@ -118,21 +129,48 @@ class Connection:
 
     def turn(self, timeout_s: float) -> bool:
         """Waits for something to do and does it; tells whether the connection still stands."""
-        sock = self._client.socket()
-        if sock is None:
+        client = self._client
+        if client.socket() is None:
             return False
-        # What TLS has decrypted, poll does not see.
-        pending = getattr(sock, "pending", lambda: 0)()
-        wants = select.POLLIN | (select.POLLOUT if self._client.want_write() else 0)
-        self._poll.modify(sock, wants)
-        ready = dict(self._poll.poll(0 if pending else timeout_s * 1000.0))
+        events = self._await_event(0.0 if self._socket.pending() else timeout_s)
         self.arrived_ns = self._clock.now_ns()
-        events = ready.get(sock.fileno(), 0)
-        if pending or events & ~select.POLLOUT:
-            self._client.loop_read()
+        if self._socket.pending() or events & ~select.POLLOUT:
+            self._read()
         if events & select.POLLOUT:
-            self._client.loop_write()
-        return self._client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
+            self._socket.flush()
+            client.loop_write()
+        return client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
+
+    def _await_event(self, timeout_s: float) -> int:
+        """What the network is ready for; where messages come in a hurry, after a moment."""
+        is_blocked = self._client.want_write() or self._socket.has_unsent
+        wants = select.POLLIN | (select.POLLOUT if is_blocked else 0)
+        if wants != self._wants:
+            self._wants = wants
+            self._poll.modify(self._socket, wants)
+        events = dict(self._poll.poll(timeout_s * 1000.0)).get(self._socket.fileno(), 0)
+        if events == select.POLLIN and self._is_hurried:
+            self._clock.sleep(_GATHER_S)
+        return events
+
+    def _read(self) -> None:
+        """Has paho take what has arrived, all of it but for a flood."""
+        sock = self._socket
+        sock.cork()
+        for _ in range(_MOST_PACKETS):
+            self._client.loop_read()
+            self._packets += 1
+            if not sock.pending():
+                break
+        sock.flush()
+        self._measure_hurry()
+
+    def _measure_hurry(self) -> None:
+        now_ns = self._clock.monotonic_ns()
+        passed_ns = now_ns - self._measured_ns
+        if passed_ns >= _WINDOW_NS:
+            self._is_hurried = self._packets * 1e9 > _HURRIED_HZ * passed_ns
+            self._measured_ns, self._packets = now_ns, 0
 
     @property
     def end(self) -> str:
@@ -152,9 +190,6 @@ class Connection:
         if sock is not None:
             # paho closes it when the broker does, which may be never.
             sock.close()
-
-    def _socket(self) -> socket.socket:
-        return cast("socket.socket", self._client.socket())
 
     def _say(self, status: bytes) -> None:
         self._client.publish(self._config.status_topic, status, qos=1, retain=True)
@@ -209,8 +244,7 @@ def _client(config: MqttConfig) -> mqtt.Client:
         client.ws_set_options(config.address.path)
     if config.username:
         client.username_pw_set(config.username, config.read_password())
-    if config.address.is_secure:
-        client.tls_set_context(_tls(config))
+    client.tls_set_context(cast(Any, SocketWrapper(_tls(config))))
     if config.status_topic:
         client.will_set(config.status_topic, _OFFLINE, qos=1, retain=True)
     return client
@@ -222,7 +256,9 @@ def _limits() -> Properties:
     return limits
 
 
-def _tls(config: MqttConfig) -> ssl.SSLContext:
+def _tls(config: MqttConfig) -> ssl.SSLContext | None:
+    if not config.address.is_secure:
+        return None
     try:
         context = ssl.create_default_context(cafile=config.ca_file or None)
         if config.cert_file:
