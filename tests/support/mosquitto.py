@@ -5,11 +5,12 @@ import shutil
 import signal
 import socket
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 from support.waiting import wait_until
 
-__all__ = ["TOPIC", "Mosquitto", "is_installed", "set_password"]
+__all__ = ["TOPIC", "Mosquitto", "can_connect", "free_port", "is_installed", "set_password"]
 
 TOPIC = "esp32/imu"
 
@@ -20,7 +21,7 @@ _ANYBODY = "allow_anonymous true"
 
 def is_installed() -> bool:
     """Whether this machine has the broker and its clients."""
-    names = ("mosquitto", "mosquitto_pub", "mosquitto_passwd")
+    names = ("mosquitto", "mosquitto_pub", "mosquitto_sub", "mosquitto_passwd")
     return all(shutil.which(name, path=_PATH) for name in names)
 
 
@@ -88,9 +89,24 @@ class Mosquitto:
 
     def publish(self, payload: bytes, *options: str, topic: str = TOPIC) -> None:
         """Sends one message with mosquitto_pub, to the TCP listener."""
-        where = ["-h", "127.0.0.1", "-p", str(self.port), "-t", topic]
-        command = [_program("mosquitto_pub"), *where, "-s", *options]
-        subprocess.run(command, input=payload, check=True, timeout=20)
+        self._client(
+            "mosquitto_pub", "-t", topic, "-s" if payload else "-n", *options, payload=payload
+        )
+
+    def publish_lines(self, payloads: Iterable[bytes]) -> None:
+        """Sends each as a message, with QoS 1, as fast as it goes."""
+        self._client("mosquitto_pub", "-t", TOPIC, "-q", "1", "-l", payload=b"\n".join(payloads))
+
+    def kept(self, topic: str) -> bytes:
+        """The retained message of a topic; empty if there is none."""
+        return self._client("mosquitto_sub", "-t", topic, "-N", "-C", "1", "-W", "1")
+
+    def _client(self, name: str, *options: str, payload: bytes = b"") -> bytes:
+        command = [_program(name), "-h", "127.0.0.1", "-p", str(self.port), *options]
+        done = subprocess.run(command, input=payload, capture_output=True, check=False, timeout=20)
+        # What mosquitto_sub ends with when there is nothing.
+        assert done.returncode in (0, 27), done.stderr
+        return done.stdout
 
     def _end(self, signum: int) -> None:
         process, self._process = self._process, None

@@ -23,6 +23,8 @@ class BufferedSocket:
         # One buffer and exact copies keep the memory of the process flat.
         self._view = memoryview(bytearray(_READ_BYTES))
         self._start = self._end = 0
+        self.failure: OSError | None = None
+        """Why nothing more can be read; paho does not tell."""
         self._is_corked = False
         self._unsent = bytearray()
         self.close = inner.close
@@ -41,9 +43,18 @@ class BufferedSocket:
         """Some of what has arrived, `size` bytes at most. Raises what a socket does."""
         start, end = self._start, self._end
         if start == end:
-            start, end = 0, self._inner.recv_into(self._view)
+            start, end = 0, self._fill()
         self._start, self._end = stop, _ = min(start + size, end), end
         return self._view[start:stop].tobytes()
+
+    def _fill(self) -> int:
+        try:
+            return self._inner.recv_into(self._view)
+        except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            raise
+        except OSError as error:
+            self.failure = error
+            raise
 
     def send(self, data: bytes) -> int:
         """Sends some of it. Raises what a socket does."""
@@ -75,13 +86,9 @@ class BufferedSocket:
         return bool(self._unsent)
 
     def do_handshake(self) -> None:
-        """That of TLS, if it is used. Raises what a socket does, and is closed then."""
+        """That of TLS, if it is used. Raises what a socket does."""
         if isinstance(self._inner, ssl.SSLSocket):
-            try:
-                self._inner.do_handshake()
-            except BaseException:
-                self.close()
-                raise
+            self._inner.do_handshake()
 
 
 class SocketWrapper:
@@ -93,6 +100,8 @@ class SocketWrapper:
     def __init__(self, tls: ssl.SSLContext | None) -> None:
         """Takes the context of a secure connection."""
         self._tls = tls
+        self.made: BufferedSocket | None = None
+        """The socket that paho uses; a WebSocket stands between the two."""
 
     def wrap_socket(self, sock: socket.socket, server_hostname: str, **_: Any) -> BufferedSocket:
         """The socket that paho is to use."""
@@ -100,4 +109,5 @@ class SocketWrapper:
             sock = self._tls.wrap_socket(
                 sock, server_hostname=server_hostname, do_handshake_on_connect=False
             )
-        return BufferedSocket(sock)
+        self.made = BufferedSocket(sock)
+        return self.made

@@ -69,7 +69,9 @@ class Connection:
         self._poll = select.poll()
         self._wants = select.POLLIN
         self._packets, self._measured_ns, self._is_hurried = 0, clock.monotonic_ns(), False
+        self._wrapper = SocketWrapper(_tls(config))
         self._client = client = _client(config)
+        client.tls_set_context(cast(Any, self._wrapper))
         client.on_connect = self._on_connect
         client.on_disconnect = self._on_disconnect
         client.on_subscribe = self._on_subscribe
@@ -92,8 +94,9 @@ class Connection:
                 properties=_limits() if self._config.version == "5" else None,
             )
         except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
+            if self._wrapper.made is not None:
+                self._wrapper.made.close()
             raise _unreachable(address, error) from error
-        self._socket = cast("BufferedSocket", self._client.socket())
         self._poll.register(self._socket, select.POLLIN)
         try:
             self._await(lambda: self._is_accepted, f"no answer from {address}")
@@ -186,10 +189,13 @@ class Connection:
             if not self.turn(_TURN_S):
                 break
         self._client.disconnect()
-        sock = self._client.socket()
-        if sock is not None:
+        if self._wrapper.made is not None:
             # paho closes it when the broker does, which may be never.
-            sock.close()
+            self._wrapper.made.close()
+
+    @property
+    def _socket(self) -> BufferedSocket:
+        return cast("BufferedSocket", self._wrapper.made)
 
     def _say(self, status: bytes) -> None:
         self._client.publish(self._config.status_topic, status, qos=1, retain=True)
@@ -201,6 +207,8 @@ class Connection:
             if self._refusal is not None:
                 raise RefusedError(self._refusal)
             if not stands and not is_there():
+                if isinstance(self._socket.failure, ssl.SSLError):
+                    raise _unreachable(self._config.address, self._socket.failure)
                 raise TransportError(f"{complaint}: {self.end}")
             if self._clock.monotonic_ns() > deadline_ns:
                 raise TransportError(complaint)
@@ -219,7 +227,11 @@ class Connection:
         if flags.is_disconnect_packet_from_server:
             self._end = f"{self._config.address} ended the connection: {code}"
         else:
-            self._end = f"the connection to {self._config.address} was lost: {code}"
+            failure = self._socket.failure
+            reason = _one_line(failure) if failure else str(code)
+            # What paho says when the other end has closed it.
+            why = "" if reason == "Unspecified error" else f": {reason}"
+            self._end = f"the connection to {self._config.address} was lost{why}"
 
     def _on_subscribe(
         self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
@@ -241,10 +253,12 @@ def _client(config: MqttConfig) -> mqtt.Client:
     client.connect_timeout = CONNECT_TIMEOUT_S
     client.max_queued_messages_set(_MAX_QUEUED)
     if client.transport == "websockets":
-        client.ws_set_options(config.address.path)
+        # paho would say https, because it is given a TLS context.
+        scheme = "https" if config.address.is_secure else "http"
+        origin = f"{scheme}://{config.address.host}:{config.address.port}"
+        client.ws_set_options(config.address.path, {"Origin": origin})
     if config.username:
         client.username_pw_set(config.username, config.read_password())
-    client.tls_set_context(cast(Any, SocketWrapper(_tls(config))))
     if config.status_topic:
         client.will_set(config.status_topic, _OFFLINE, qos=1, retain=True)
     return client

@@ -15,8 +15,10 @@ from rosbase.transport import Tally, TransportContext
 __all__ = ["NetworkThread"]
 
 _TURN_S = 0.5
-# Who was refused, or thrown out again and again, will be so for some time.
+# Who was refused will be so for some time.
 _SLOW_S = 5.0
+# Who was thrown out again and again may be so once more; or the broker is having a bad time.
+_CONTESTED_S = 1.2
 # A connection that lasted so long was no mistake; so many that did not, in a row, are one.
 _PROVED_NS = 5_000_000_000
 _MANY_ENDS = 3
@@ -181,6 +183,8 @@ class NetworkThread:
         """Says why there is no connection; gives how long to wait before the next."""
         if not self.is_connected:
             self._failure = self._failure or error
+            # That the broker went away explains why the connection ended.
+            self._early_ends = 0
         elif lasted_ns >= _PROVED_NS:
             self._early_ends = 0
             self._backoff.reset()
@@ -193,7 +197,7 @@ class NetworkThread:
                 f"{error}; again and again: is there another client {self._config.client_id!r}?"
             )
             self._say(error)
-            return self._slow.next_s()
+            return _CONTESTED_S
         self._say(error)
         return (self._slow if isinstance(error, RefusedError) else self._backoff).next_s()
 

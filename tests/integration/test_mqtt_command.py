@@ -1,0 +1,182 @@
+"""`rosbase imu` over MQTT as a process, on a real broker."""
+
+import json
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from support.command import RunningRosbase, run_rosbase, summary_of
+from support.mosquitto import TOPIC, Mosquitto, is_installed, set_password
+from support.samples import FAULTS, GOOD, GOOD_FRAME, frame
+from support.serial_port import PluggablePort
+from support.waiting import wait_until
+
+needs_mosquitto = pytest.mark.skipif(not is_installed(), reason="mosquitto is not installed")
+
+IMU_MOCK = {"Ax": 0.1, "Ay": 0.2, "Az": 1.0, "Temperature": 20.5, "Gx": 1.0, "Gy": 2.0, "Gz": 3.0}
+WORKSHOP = {"accX": 0.1, "accY": 0.2, "accZ": 9.8, "gycX": 0.1, "gycY": 0.2, "gycZ": 0.3, "temp": 20}
+UGV = {"T": 1002, "r": 1.0, "p": 2.0, "ax": 0.1, "ay": 0.2, "az": 9.8, "gx": 0.1, "gy": 0.2,
+       "gz": 0.3, "mx": 1.0, "my": 2.0, "mz": 3.0, "temp": 20.0}  # fmt: skip
+SKETCH = {"accel_x": 0.1, "accel_y": 0.2, "accel_z": 9.8, "gyro_x": 0.1, "gyro_y": 0.2,
+          "gyro_z": 0.3, "temperature": 20.0}  # fmt: skip
+SHAPES = {
+    "default": GOOD,
+    "waveshare_ugv": UGV,
+    "mpu6050": SKETCH,
+    "esp32_workshop": WORKSHOP | {"timestamp": "N/A"},
+    "esp32_cjson": IMU_MOCK,
+}
+
+
+@pytest.fixture
+def broker(tmp_path: Path) -> Iterator[Mosquitto]:
+    broker = Mosquitto(tmp_path)
+    yield broker
+    broker.stop()
+
+
+@contextmanager
+def reading(broker: Mosquitto, *more: str) -> Iterator[RunningRosbase]:
+    """A reader on the broker, that has subscribed."""
+    before = broker.log.count("Sending SUBACK")
+    with RunningRosbase(
+        "imu", "-p", "comm_t:=mqtt", "-p", f"server_address:={broker.address}",
+        "-p", f"mqtt_topic:={TOPIC}", "--topic-echo", *more,
+    ) as reader:  # fmt: skip
+        wait_until(lambda: broker.log.count("Sending SUBACK") > before, "the subscription")
+        yield reader
+
+
+def without_header(line: str) -> object:
+    sample = json.loads(line)
+    del sample["header"]
+    return sample
+
+
+@needs_mosquitto
+def test_each_fault_counts_as_it_does_over_serial_and_the_next_good_sample_comes_through(
+    broker: Mosquitto,
+) -> None:
+    expected: dict[str, int] = {}
+    with reading(broker) as reader:
+        for number, (line, reason) in enumerate(FAULTS.values(), start=1):
+            expected[reason] = expected.get(reason, 0) + 1
+            broker.publish(line)
+            mark = number + 0.5
+            broker.publish(frame(angular_velocity={"x": mark, "y": 0.0, "z": 0.0}))
+            reader.waits_for(f'"angular_velocity":{{"x":{mark},', where=reader.out)
+        assert reader.end(signal.SIGINT) == 0
+    counts = summary_of(reader.err.lines)
+    assert {reason: counts[reason] for reason in expected} == expected
+    assert counts["published"] == len(reader.out.lines) == len(FAULTS)
+    assert "Traceback" not in reader.err
+
+
+@needs_mosquitto
+@pytest.mark.parametrize("preset", SHAPES)
+def test_each_payload_shape_gives_the_samples_that_it_gives_over_serial(
+    broker: Mosquitto, tmp_path: Path, preset: str
+) -> None:
+    payload = json.dumps(SHAPES[preset]).encode()
+    port = PluggablePort(tmp_path)
+    port.plug()
+    with (
+        RunningRosbase(
+            "imu", "-p", f"device_path:={port.path}", "-p", f"preset:={preset}", "--topic-echo"
+        ) as serial,
+        reading(broker, "-p", f"preset:={preset}") as reader,
+    ):
+
+        def is_reading() -> bool:
+            port.write(payload + b"\n")
+            return bool(serial.out.lines)
+
+        wait_until(is_reading, "the first sample over serial")
+        broker.publish(payload)
+        # P10: spread over many lines it is a payload like any other.
+        broker.publish(json.dumps(SHAPES[preset], indent=2).encode())
+        per_payload = 2 if preset == "waveshare_ugv" else 1
+        wait_until(lambda: len(reader.out.lines) >= 2 * per_payload, "both samples")
+        assert {str(without_header(line)) for line in reader.out.lines} == {
+            str(without_header(line)) for line in serial.out.lines
+        }
+        assert reader.end(signal.SIGINT) == serial.end(signal.SIGINT) == 0
+    port.unplug()
+
+
+@needs_mosquitto
+def test_an_interrupt_ends_it_in_two_seconds_with_the_broker_and_without(
+    broker: Mosquitto,
+) -> None:
+    for is_there in (True, False):
+        with reading(broker) as reader:
+            if not is_there:
+                broker.kill()
+                reader.waits_for("trying again")
+            begun_s = time.monotonic()
+            assert reader.end(signal.SIGINT) == 0
+            assert time.monotonic() - begun_s < 2.0
+        assert "Traceback" not in reader.err
+
+
+@needs_mosquitto
+def test_a_password_is_seen_nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    set_password(tmp_path / "passwords", "imu", "right-secret")
+    broker = Mosquitto(
+        tmp_path, more=f"allow_anonymous false\npassword_file {tmp_path / 'passwords'}"
+    )
+    for password in ("right-secret", "wrong-secret"):
+        monkeypatch.setenv("ROSBASE_MQTT_PASSWORD", password)
+        with RunningRosbase(
+            "imu", "-p", "comm_t:=mqtt", "-p", f"server_address:={broker.address}",
+            "-p", "username:=imu", "-p", "wait_for_broker:=true",
+        ) as reader:  # fmt: skip
+            reader.waits_for("connected to" if password == "right-secret" else "refuses us")
+            line = Path(f"/proc/{reader.process.pid}/cmdline").read_bytes()
+            assert reader.end(signal.SIGINT) == 0
+        assert password.encode() not in line
+        assert password not in reader.out
+        assert password not in reader.err
+    broker.stop()
+
+
+@needs_mosquitto
+def test_deactivating_unsubscribes_and_disconnects_and_activating_again_works(
+    broker: Mosquitto,
+) -> None:
+    from rosbase.backend import BackendOptions
+    from rosbase.imu.reader import ImuReader
+    from rosbase.local import LocalBackend
+    from rosbase.messages import Imu
+
+    parameters = {"comm_t": "mqtt", "server_address": broker.address, "client_id": "the-reader"}
+    backend = LocalBackend(BackendOptions("mqtt_test", parameters))
+    reader = ImuReader(backend=backend)
+    arrived: list[Imu] = []
+    backend.create_subscription(Imu, "imu/data", arrived.append, 10)
+    reader.trigger_configure()
+    for number in range(1, 4):
+        reader.trigger_activate()
+        broker.publish(GOOD_FRAME)
+        wait_until(lambda: backend.spin_once(0.01) and len(arrived) == number, "the sample")
+        reader.trigger_deactivate()
+        wait_until(
+            lambda: broker.log.count("Received DISCONNECT from the-reader") == number,
+            "the farewell",
+        )
+        assert broker.log.count("Received UNSUBSCRIBE from the-reader") == number
+    reader.trigger_shutdown()
+    backend.close()
+
+
+def test_the_demo_over_mqtt_publishes_every_sample() -> None:
+    done = run_rosbase("demo", "--transport", "mqtt", "--duration", "5")
+    assert done.returncode == 0, done.stderr
+    counts = summary_of(done.stdout.splitlines())
+    assert counts["published"] >= 490
+    assert counts["sent"] == counts["received"] == counts["published"]
+    assert counts["lost"] == 0
