@@ -162,4 +162,4 @@ def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing written by hand; prints tables."""
     _install_wheels(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
-        session.run("python", str(benchmark), *session.posargs)
+        session.run("python", str(benchmark), *session.posargs, env={"PYTHONPATH": "tests"})

@@ -203,9 +203,11 @@ class NetworkThread:
 
     def _end_connection(self) -> None:
         self.is_connected = False
-        self._made = None
+        made, self._made = self._made, None
         connection, self._connection = self._connection, None
         if connection is not None:
+            if made is not None:
+                connection.unsubscribe()
             connection.close()
         wanted = self._wanted
         if wanted is not None:
