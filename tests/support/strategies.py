@@ -204,3 +204,9 @@ QosStep = QoSProfile | int | None
 qos_steps: st.SearchStrategy[list[QosStep]] = st.lists(
     st.one_of(qos_profiles, st.integers(0, 1), st.integers(0, 1), st.none()), max_size=40
 )
+
+# Passwords as people put them into addresses, with whatever cuts an address short; long enough
+# not to stand in a message by chance.
+mqtt_secrets = st.text(
+    st.characters(codec="utf-8", exclude_categories=["Cc", "Zs"]), min_size=8, max_size=20
+)

@@ -19,6 +19,8 @@ PASSWORD_VARIABLE = "ROSBASE_MQTT_PASSWORD"
 
 _PORTS = {"tcp": 1883, "mqtt": 1883, "mqtts": 8883, "ssl": 8883, "ws": 80, "wss": 443, "unix": 0}
 _SECURE = frozenset({"mqtts", "ssl", "wss"})
+_WITHOUT_PATH = frozenset(_PORTS) - {"ws", "wss", "unix"}
+_MOST_BYTES = 65_535
 
 
 def _text(name: str, default: str, description: str, *choices: str) -> ParameterSpec:
@@ -74,8 +76,8 @@ class Address:
         return self.scheme in _SECURE
 
     def __str__(self) -> str:
-        place = self.host if self.scheme == "unix" else f"{self.host}:{self.port}"
-        return f"{self.scheme}://{place}"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{self.scheme}://{self.host if self.scheme == 'unix' else f'{host}:{self.port}'}"
 
     @classmethod
     def parse(cls, text: str) -> "Address":
@@ -87,18 +89,14 @@ class Address:
         try:
             url = urlsplit(text)
             port = url.port
-        except ValueError as error:
-            raise ParameterError(f"parameter server_address: {error}") from error
-        if complaint := _complaint(url):
+        except ValueError:
+            # What it says may be a part of a password.
+            url, port = urlsplit(""), None
+        if complaint := _complaint(text, url, port):
             raise ParameterError(f"parameter server_address {complaint}")
         if url.scheme == "unix":
             return cls("unix", url.path, 0)
-        return cls(
-            url.scheme,
-            url.hostname or "",
-            _PORTS[url.scheme] if port is None else port,
-            url.path or "/mqtt",
-        )
+        return cls(url.scheme, url.hostname or "", port or _PORTS[url.scheme], url.path or "/mqtt")
 
 
 @frozen
@@ -128,11 +126,14 @@ class MqttConfig:
         """
         given: dict[str, Any] = dict(values)
         address = Address.parse(given["server_address"])
+        for name in ("mqtt_topic", "status_topic", "client_id", "username"):
+            _check_text(name, given[name])
         _check_topic("mqtt_topic", given["mqtt_topic"], may_be_filter=True)
         if given["status_topic"]:
             _check_topic("status_topic", given["status_topic"], may_be_filter=False)
-        if given["tls_key_file"] and not given["tls_cert_file"]:
-            raise ParameterError("parameter tls_key_file needs tls_cert_file")
+        for name, needed in (("tls_key_file", "tls_cert_file"), ("password_file", "username")):
+            if given[name] and not given[needed]:
+                raise ParameterError(f"parameter {name} needs {needed}")
         files = [given[name] for name in ("tls_ca_file", "tls_cert_file", "tls_key_file")]
         if any(files) and not address.is_secure:
             raise ParameterError(f"parameters tls_*: {address} is not a secure address")
@@ -162,35 +163,60 @@ class MqttConfig:
         """The password, from the file or the environment, as it is now.
 
         Raises:
-            TransportError: The file cannot be read.
+            TransportError: The file cannot be read, or holds no password.
         """
         if not self.password_file:
-            return os.environ.get(PASSWORD_VARIABLE)
+            password, source = os.environ.get(PASSWORD_VARIABLE), f"${PASSWORD_VARIABLE}"
+        else:
+            password, source = self._read_password_file(), f"password_file {self.password_file!r}"
+        if not _is_text(password or ""):
+            raise TransportError(f"{source}: it is not a password in UTF-8")
+        return password
+
+    def _read_password_file(self) -> str:
         try:
-            return Path(self.password_file).read_text(encoding="utf-8").rstrip("\r\n")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else "it is not text"
-            raise TransportError(f"password_file {self.password_file}: {reason}") from error
+            # Bytes that are no text are let through here: the codec's error would quote them.
+            with Path(self.password_file).open(encoding="utf-8", errors="surrogateescape") as file:
+                return file.read(_MOST_BYTES + 2).rstrip("\r\n")
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", "") or "it names no file"
+            raise TransportError(f"password_file {self.password_file!r}: {reason}") from error
 
 
-def _complaint(url: SplitResult) -> str:
+def _complaint(text: str, url: SplitResult, port: int | None) -> str:
     """What is wrong with an address, without its secrets; empty if nothing."""
-    if url.scheme not in _PORTS:
-        return f"begins with one of {', '.join(f'{scheme}://' for scheme in _PORTS)}"
-    if url.username or url.password:
+    known = ", ".join(f"{scheme}://" for scheme in _PORTS)
+    if "@" in text and not text.startswith("unix:"):
         return f"takes no user and no password: set username, and ${PASSWORD_VARIABLE}"
+    if url.scheme not in _PORTS:
+        return f"is one of {known} and a host, a colon and a port"
+    if not text.isprintable() or " " in text:
+        return "takes no blanks and nothing that cannot be printed"
+    if "?" in text or "#" in text or (url.path not in ("", "/") and url.scheme in _WITHOUT_PATH):
+        return "takes nothing behind the port, or behind the path of ws:// and wss://"
     if url.scheme == "unix":
         return "" if url.path and not url.netloc else "unix:// takes an absolute path"
     if not url.hostname:
         return "names no host"
-    if url.query or url.fragment:
-        return "takes nothing behind the path"
-    return ""
+    return "takes a port from 1 to 65535" if port == 0 else ""
+
+
+def _is_text(text: str) -> bool:
+    """Whether MQTT can carry it."""
+    try:
+        return "\0" not in text and len(text.encode()) <= _MOST_BYTES
+    except UnicodeEncodeError:
+        return False
+
+
+def _check_text(name: str, text: str) -> None:
+    if not _is_text(text):
+        raise ParameterError(f"parameter {name} takes at most {_MOST_BYTES} bytes of UTF-8, no NUL")
 
 
 def _check_topic(name: str, topic: str, *, may_be_filter: bool) -> None:
-    if not topic or "\0" in topic or len(topic.encode()) > 65_535:
-        raise ParameterError(f"parameter {name} takes a topic, not {topic[:60]!r}")
+    if not topic:
+        raise ParameterError(f"parameter {name} takes a topic")
     levels = topic.split("/")
     wild = [level for level in levels if "+" in level or "#" in level]
     if wild and not may_be_filter:

@@ -39,6 +39,7 @@ _READ_BYTES = 65_536
 _TURN_S = 0.05
 _GOODBYE_S = 0.2
 _TRANSPORTS = {"ws": "websockets", "wss": "websockets", "unix": "unix"}
+_FOR_NOW = frozenset({"Server unavailable", "Server busy", "Connection rate exceeded"})
 _ONLINE, _OFFLINE = b"online", b"offline"
 # Room for the topic beside the payload.
 _MAX_PACKET_BYTES = 2 * MAX_PAYLOAD_BYTES + 1024
@@ -52,16 +53,29 @@ class RefusedError(DevicePermissionError):
 class Connection:
     """Talks to one broker. Everything happens on the thread that calls."""
 
-    def __init__(self, config: MqttConfig, clock: Clock, on_message: OnMessage) -> None:
+    def __init__(
+        self,
+        config: MqttConfig,
+        clock: Clock,
+        on_message: OnMessage,
+        is_wanted: Callable[[], bool],
+    ) -> None:
         """Prepares to connect.
+
+        Args:
+            config: To which broker, and as whom.
+            clock: For stamps and deadlines.
+            on_message: Gets the messages. It must not raise.
+            is_wanted: Asked while an answer is awaited: whether to go on waiting.
 
         Raises:
             TransportError: The password or a certificate cannot be read.
         """
         self._config = config
         self._clock = clock
-        self._refusal: str | None = None
-        self._is_accepted = False
+        self._is_wanted = is_wanted
+        self._refusal: TransportError | None = None
+        self._is_accepted = self._is_awaiting = False
         self._answers: dict[int, list[Any]] = {}
         self._end = ""
         self.arrived_ns = 0
@@ -84,22 +98,15 @@ class Connection:
             RefusedError: The broker, or TLS, refuses.
             TransportError: There is no broker, or no answer.
         """
-        address = self._config.address
-        try:
-            self._client.connect(
-                address.host,
-                # Of a Unix socket paho wants one too, and does not use it.
-                address.port or 1,
-                self._config.keepalive_s,
-                properties=_limits() if self._config.version == "5" else None,
-            )
-        except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
+        failure = self._dial()
+        if failure is not None:
             if self._wrapper.made is not None:
                 self._wrapper.made.close()
-            raise _unreachable(address, error) from error
+            raise failure
         self._poll.register(self._socket, select.POLLIN)
         try:
-            self._await(lambda: self._is_accepted, f"no answer from {address}")
+            if not self._await(lambda: self._is_accepted):
+                raise DeviceNotFoundError(f"no answer from {self._config.address}")
         except TransportError:
             self._client.disconnect()
             raise
@@ -121,7 +128,8 @@ class Connection:
         _, mid = self._client.subscribe(topic, self._config.qos)
         if mid is None:
             raise TransportError(self._end or "the connection was lost")
-        self._await(lambda: mid in self._answers, f"no answer to the subscription to {topic}")
+        if not self._await(lambda: mid in self._answers):
+            raise TransportError(f"no answer to the subscription to {topic}")
         for code in self._answers.pop(mid):
             if code.is_failure:
                 raise RefusedError(f"the broker refuses the subscription to {topic}: {code}")
@@ -131,18 +139,26 @@ class Connection:
         self._client.unsubscribe(self._config.topic)
 
     def turn(self, timeout_s: float) -> bool:
-        """Waits for something to do and does it; tells whether the connection still stands."""
+        """Waits for something to do and does it; tells whether the connection still stands.
+
+        Raises:
+            TransportError: What the broker sends makes no sense.
+        """
         client = self._client
         if client.socket() is None:
             return False
         events = self._await_event(0.0 if self._socket.pending() else timeout_s)
         self.arrived_ns = self._clock.now_ns()
-        if self._socket.pending() or events & ~select.POLLOUT:
-            self._read()
-        if events & select.POLLOUT:
-            self._socket.flush()
-            client.loop_write()
-        return client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
+        try:
+            if self._socket.pending() or events & ~select.POLLOUT:
+                self._read()
+            if events & select.POLLOUT:
+                self._socket.flush()
+                client.loop_write()
+            return client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
+        except Exception as error:
+            # paho trusts the broker: of a packet that is none comes an error of any class.
+            raise TransportError(f"{self._config.address} sends no MQTT: {error!r}") from error
 
     def _await_event(self, timeout_s: float) -> int:
         """What the network is ready for; where messages come in a hurry, after a moment."""
@@ -160,7 +176,8 @@ class Connection:
         """Has paho take what has arrived, all of it but for a flood."""
         sock = self._socket
         sock.cork()
-        for _ in range(_MOST_PACKETS):
+        # Whoever awaits an answer takes it before what comes behind it.
+        for _ in range(1 if self._is_awaiting else _MOST_PACKETS):
             self._client.loop_read()
             self._packets += 1
             if not sock.pending():
@@ -185,13 +202,32 @@ class Connection:
         if self._config.status_topic and self._client.is_connected():
             self._say(_OFFLINE)
         deadline_ns = self._clock.monotonic_ns() + int(_GOODBYE_S * 1e9)
-        while self._client.want_write() and self._clock.monotonic_ns() < deadline_ns:
-            if not self.turn(_TURN_S):
-                break
+        try:
+            while self._client.want_write() and self._clock.monotonic_ns() < deadline_ns:
+                if not self.turn(_TURN_S):
+                    break
+        except TransportError:
+            # Whatever it was, it is over.
+            pass
         self._client.disconnect()
         if self._wrapper.made is not None:
             # paho closes it when the broker does, which may be never.
             self._wrapper.made.close()
+
+    def _dial(self) -> TransportError | None:
+        """Connects; gives why that failed, without the traceback, for it holds a socket."""
+        address = self._config.address
+        try:
+            self._client.connect(
+                address.host,
+                # Of a Unix socket paho wants one too, and does not use it.
+                address.port or 1,
+                self._config.keepalive_s,
+                properties=_limits() if self._config.version == "5" else None,
+            )
+        except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
+            return _unreachable(address, error)
+        return None
 
     @property
     def _socket(self) -> "_BufferedSocket":
@@ -200,38 +236,47 @@ class Connection:
     def _say(self, status: bytes) -> None:
         self._client.publish(self._config.status_topic, status, qos=1, retain=True)
 
-    def _await(self, is_there: Callable[[], bool], complaint: str) -> None:
+    def _await(self, is_there: Callable[[], bool]) -> bool:
+        """Waits for an answer of the broker's; tells whether it came in time."""
         deadline_ns = self._clock.monotonic_ns() + int(CONNECT_TIMEOUT_S * 1e9)
+        self._is_awaiting = True
         while not is_there():
             stands = self.turn(_TURN_S)
             if self._refusal is not None:
-                raise RefusedError(self._refusal)
+                raise self._refusal
             if not stands and not is_there():
                 if isinstance(self._socket.failure, ssl.SSLError):
                     raise _unreachable(self._config.address, self._socket.failure)
-                raise TransportError(f"{complaint}: {self.end}")
-            if self._clock.monotonic_ns() > deadline_ns:
-                raise TransportError(complaint)
+                raise TransportError(self.end)
+            if not self._is_wanted() or self._clock.monotonic_ns() > deadline_ns:
+                return False
+        self._is_awaiting = False
+        return True
 
     # Called by paho, from within `turn`.
 
     def _on_connect(self, client: Any, data: Any, flags: Any, code: Any, properties: Any) -> None:
         if code.is_failure:
-            self._refusal = f"{self._config.address} refuses us: {code}"
+            # A broker that has just been started, or has too much to do, will have time soon.
+            kind = TransportError if str(code) in _FOR_NOW else RefusedError
+            self._refusal = kind(f"{self._config.address} refuses us: {code}")
         else:
             self._is_accepted = True
 
     def _on_disconnect(
         self, client: Any, data: Any, flags: Any, code: Any, properties: Any
     ) -> None:
+        address = self._config.address
         if flags.is_disconnect_packet_from_server:
-            self._end = f"{self._config.address} ended the connection: {code}"
+            self._end = f"{address} ended the connection: {code}"
         else:
             failure = self._socket.failure
             reason = _one_line(failure) if failure else str(code)
             # What paho says when the other end has closed it.
             why = "" if reason == "Unspecified error" else f": {reason}"
-            self._end = f"the connection to {self._config.address} was lost{why}"
+            self._end = f"the connection to {address} was lost{why}"
+        if not self._is_accepted and self._refusal is None and str(code) == "Protocol error":
+            self._refusal = RefusedError(f"{address} speaks no MQTT {self._config.version}")
 
     def _on_subscribe(
         self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
@@ -276,8 +321,9 @@ def _tls(config: MqttConfig) -> ssl.SSLContext | None:
     try:
         context = ssl.create_default_context(cafile=config.ca_file or None)
         if config.cert_file:
-            context.load_cert_chain(config.cert_file, config.key_file or None)
-    except (OSError, ssl.SSLError) as error:
+            # A password, for OpenSSL asks the terminal if there is none.
+            context.load_cert_chain(config.cert_file, config.key_file or None, password="")
+    except (OSError, ValueError) as error:
         named = config.ca_file, config.cert_file, config.key_file
         files = ", ".join(filter(None, named))
         raise RefusedError(f"{files} cannot be used for TLS: {_one_line(error)}") from error

@@ -17,8 +17,8 @@ __all__ = ["NetworkThread"]
 _TURN_S = 0.5
 # Who was refused will be so for some time.
 _SLOW_S = 5.0
-# Who was thrown out again and again may be so once more; or the broker is having a bad time.
-_CONTESTED_S = 1.2
+# So is, less surely, who was thrown out again and again: the broker may just have been restarted.
+_SLOWER_S = 1.5
 # A connection that lasted so long was no mistake; so many that did not, in a row, are one.
 _PROVED_NS = 5_000_000_000
 _MANY_ENDS = 3
@@ -39,8 +39,11 @@ class NetworkThread:
         self._made: Subscription | None = None
         self._connection: Connection | None = None
         self._stopping = False
-        self._backoff, self._slow = Backoff(), Backoff(_SLOW_S / 2, _SLOW_S)
+        self._backoff = Backoff()
+        self._slower, self._slow = Backoff(_SLOWER_S, _SLOWER_S), Backoff(_SLOW_S / 2, _SLOW_S)
         self._early_ends = 0
+        self._proved_from_ns = 0
+        self._is_proved = False
         self._was_connected = False
         self.is_connected = False
         """Whether there is a connection at this moment."""
@@ -74,7 +77,10 @@ class NetworkThread:
         return self._stopping or self._has_ended
 
     def await_attempt(self, timeout_s: float) -> TransportError | None:
-        """Waits for the first attempt to connect; gives why it failed, if it did."""
+        """Waits for the first attempt to connect; gives why it failed, if it did.
+
+        Nothing is tried again after that, unless `wait_for_broker` is set.
+        """
         if not self._is_tried.wait(timeout_s):
             return TransportError(f"no answer from {self._config.address}")
         return self._failure
@@ -122,16 +128,15 @@ class NetworkThread:
 
     def _connect_and_serve(self) -> float:
         """One connection, from its beginning to its end; gives how long to wait after it."""
-        clock = self._context.clock
-        began_ns = clock.monotonic_ns()
         try:
-            self._connection = Connection(self._config, clock, self._take)
+            self._connection = Connection(
+                self._config, self._context.clock, self._take, lambda: not self._stopping
+            )
             self._connection.open()
             self._note_connected()
-            began_ns = clock.monotonic_ns()
             self._serve(self._connection)
         except TransportError as error:
-            return self._note_end(error, clock.monotonic_ns() - began_ns)
+            return 0.0 if self._stopping else self._note_end(error)
         finally:
             self._end_connection()
         return 0.0
@@ -144,12 +149,14 @@ class NetworkThread:
             if not connection.turn(_TURN_S):
                 raise TransportError(connection.end)
             self._take_wakeups()
+            if not self._is_proved and self._context.clock.monotonic_ns() > self._proved_from_ns:
+                self._note_proved()
 
     def _resubscribe(self, connection: Connection) -> None:
         wanted = self._wanted
         if self._made is not None:
+            self._made = None
             connection.unsubscribe()
-        self._made = wanted
         if wanted is None:
             return
         try:
@@ -157,6 +164,8 @@ class NetworkThread:
         except RefusedError as error:
             wanted.answer(error)
             raise
+        # What came before the broker's answer was sent before, to the last subscription.
+        self._made = wanted
         wanted.answer()
 
     def _take(self, message: Any) -> None:
@@ -173,33 +182,42 @@ class NetworkThread:
     def _note_connected(self) -> None:
         self.is_connected = True
         self._tally.reconnects += self._was_connected
-        self._tally.last_error = ""
-        self._is_tried.set()
-        state = "back at" if self._was_connected else "connected to"
-        self._context.logger.info(f"{state} {self._config.address}")
+        if self._early_ends < _MANY_ENDS:
+            self._say_connected()
         self._was_connected = True
-
-    def _note_end(self, error: TransportError, lasted_ns: int) -> float:
-        """Says why there is no connection; gives how long to wait before the next."""
-        if not self.is_connected:
-            self._failure = self._failure or error
-            # That the broker went away explains why the connection ended.
-            self._early_ends = 0
-        elif lasted_ns >= _PROVED_NS:
-            self._early_ends = 0
-            self._backoff.reset()
-            self._slow.reset()
-        else:
-            self._early_ends += 1
+        self._is_proved = False
+        self._proved_from_ns = self._context.clock.monotonic_ns() + _PROVED_NS
         self._is_tried.set()
+
+    def _note_proved(self) -> None:
+        """The connection has lasted."""
+        self._is_proved = True
         if self._early_ends >= _MANY_ENDS:
-            error = TransportError(
-                f"{error}; again and again: is there another client {self._config.client_id!r}?"
-            )
-            self._say(error)
-            return _CONTESTED_S
-        self._say(error)
-        return (self._slow if isinstance(error, RefusedError) else self._backoff).next_s()
+            self._say_connected()
+        self._early_ends = 0
+        for backoff in (self._backoff, self._slower, self._slow):
+            backoff.reset()
+
+    def _note_end(self, error: TransportError) -> float:
+        """Says why there is no connection; gives how long to wait before the next."""
+        if not self._was_connected:
+            self._failure = self._failure or error
+            # Whoever opens is told, and decides.
+            self._stopping = not self._config.wait_for_broker
+        self._is_tried.set()
+        if self._stopping:
+            return 0.0
+        if isinstance(error, RefusedError):
+            self._say(str(error))
+            return self._slow.next_s()
+        # A broker that cannot be reached throws nobody out.
+        self._early_ends = self._early_ends + (not self._is_proved) if self.is_connected else 0
+        if self._early_ends >= _MANY_ENDS:
+            me = self._config.client_id
+            self._say(f"{error}; again and again: is there another client {me!r}?")
+            return self._slower.next_s()
+        self._say(str(error))
+        return self._backoff.next_s()
 
     def _end_connection(self) -> None:
         self.is_connected = False
@@ -237,8 +255,13 @@ class NetworkThread:
             os.close(self._wake_read)
             os.close(self._wake_write)
 
-    def _say(self, error: TransportError) -> None:
+    def _say_connected(self) -> None:
+        self._tally.last_error = ""
+        state = "back at" if self._was_connected else "connected to"
+        self._context.logger.info(f"{state} {self._config.address}")
+
+    def _say(self, reason: str) -> None:
         """Logs why there is no data, once for each reason in a row."""
-        if str(error) != self._tally.last_error:
-            self._tally.last_error = str(error)
-            self._context.logger.warning(f"{error}; trying again")
+        if reason != self._tally.last_error:
+            self._tally.last_error = reason
+            self._context.logger.warning(f"{reason}; trying again")

@@ -43,9 +43,13 @@ class Subscription:
         self._refusal: TransportError | None = None
 
     def answer(self, refusal: TransportError | None = None) -> None:
-        """Notes what the broker has said, or that nobody is there to say anything."""
-        self._refusal = refusal
-        self._is_answered.set()
+        """Notes what the broker has said, or that nobody is there to say anything.
+
+        The first answer counts: to the others nobody listens.
+        """
+        if not self._is_answered.is_set():
+            self._refusal = refusal
+            self._is_answered.set()
 
     def await_answer(self, timeout_s: float) -> TransportError | None:
         """Waits for the broker's answer; gives why it refuses, if it does."""

@@ -18,7 +18,7 @@ from rosbase.transport import (
 __all__ = ["STOP_TIMEOUT_S", "MqttTransport"]
 
 STOP_TIMEOUT_S = 2.0
-"""How long `stop` waits for an `on_frame` that does not return."""
+"""How long `stop` waits for an `on_frame`, and `close` for a network, that does not return."""
 
 _OPEN_TIMEOUT_S = 4.0
 _ANSWER_TIMEOUT_S = 2.0
@@ -40,27 +40,24 @@ class MqttTransport(Transport):
 
     def open(self) -> None:
         """Connects; with `wait_for_broker` an absent one is left to the network thread."""
-        if self._on_network_thread():
+        if self._caller() is not None:
             return
         with self._lock:
             if self._network is not None and not self._network.is_stopping:
                 return
+            # Of a thread that has failed both may be left.
+            self._end_subscription()
             self._end_network()
-            network = NetworkThread(self._config, self._context, self._tally)
-            try:
-                network.start()
-            except RuntimeError as error:
-                raise TransportError(f"no thread can be started: {error}") from error
-            self._network = network
+            self._network = network = self._begin_network()
             failure = network.await_attempt(_OPEN_TIMEOUT_S)
-            if failure is None or (self._config.wait_for_broker and failure.retryable):
+            if failure is None or (self._config.wait_for_broker and not network.is_stopping):
                 return
             self._end_network()
             raise failure
 
     def start(self, on_frame: OnFrame) -> None:
         """Subscribes; returns when the broker has answered, if there is one."""
-        if self._on_network_thread():
+        if self._caller() is not None:
             return
         with self._lock:
             self.open()
@@ -78,19 +75,24 @@ class MqttTransport(Transport):
 
     def stop(self) -> None:
         """Unsubscribes; waits for `on_frame` to return, except when called by it."""
-        if self._on_network_thread():
-            self._end_subscription()
-            return
-        with self._lock:
+        caller = self._caller()
+        if caller is None:
+            with self._lock:
+                self._end_subscription()
+        elif caller is self._network:
             self._end_subscription()
 
     def close(self) -> None:
         """Unsubscribes and disconnects."""
-        if self._on_network_thread():
-            self._end_subscription()
-            if self._network is not None:
-                self._network.request_stop()
+        caller = self._caller()
+        if caller is not None:
+            self.stop()
+            caller.request_stop()
             return
+        network = self._network
+        if network is not None:
+            # Whoever has the lock may be waiting for it to connect.
+            network.request_stop()
         with self._lock:
             self._end_subscription()
             self._end_network()
@@ -112,9 +114,18 @@ class MqttTransport(Transport):
             return TransportState.CLOSED
         return TransportState.CONNECTED if network.is_connected else TransportState.RECONNECTING
 
-    def _on_network_thread(self) -> bool:
+    def _caller(self) -> NetworkThread | None:
+        """The network thread that calls, from within `on_frame`; it may have been left behind."""
         networks = [self._network, *self._left_behind]
-        return any(network is not None and network.is_current_thread for network in networks)
+        return next((n for n in networks if n is not None and n.is_current_thread), None)
+
+    def _begin_network(self) -> NetworkThread:
+        try:
+            network = NetworkThread(self._config, self._context, self._tally)
+            network.start()
+        except (OSError, RuntimeError) as error:
+            raise TransportError(f"no thread can be started: {error}") from error
+        return network
 
     def _end_subscription(self) -> None:
         subscription, self._subscription = self._subscription, None
@@ -122,12 +133,15 @@ class MqttTransport(Transport):
             self._network.want(None)
         if subscription is not None and not subscription.end(STOP_TIMEOUT_S):
             self._context.logger.error(f"on_frame has not returned for {STOP_TIMEOUT_S:g} s")
+            self._end_network(0.0)
 
-    def _end_network(self) -> None:
-        network, self._network = self._network, None
+    def _end_network(self, timeout_s: float = STOP_TIMEOUT_S) -> None:
+        network = self._network
         if network is None:
             return
+        # First, so that it is known at every moment.
+        self._left_behind = [n for n in self._left_behind if not n.join(0.0)] + [network]
+        self._network = None
         network.request_stop()
-        if not network.join(STOP_TIMEOUT_S):
-            self._left_behind = [n for n in self._left_behind if not n.join(0.0)] + [network]
+        if not network.join(timeout_s):
             self._context.logger.error("the network thread does not end; it is left behind")

@@ -1,0 +1,197 @@
+"""Which messages are frames, and how those are handed over; without any broker."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from imu_mqtt.subscription import MAX_PAYLOAD_BYTES, Subscription
+from rosbase.errors import TransportError
+from rosbase.transport import Tally
+from support.mqtt_rig import context, elapsed
+from support.waiting import wait_until
+
+
+class Rig:
+    """A subscription, what it has handed over, and what was counted."""
+
+    def __init__(self, *, is_filter: bool = False, on_frame: Any = None) -> None:
+        self.frames: list[tuple[bytes, int]] = []
+        self.tally = Tally()
+        on_frame = on_frame or (lambda frame, stamp_ns: self.frames.append((frame, stamp_ns)))
+        self.subscription = Subscription(on_frame, self.tally, context(), is_filter=is_filter)
+
+    def take(
+        self,
+        payload: bytes,
+        stamp_ns: int = 7,
+        *,
+        topic: str = "a/imu",
+        retained: bool = False,
+        redelivered: bool = False,
+    ) -> None:
+        self.subscription.take(
+            payload, stamp_ns, topic=topic, retained=retained, redelivered=redelivered
+        )
+
+
+def started(call: Callable[[], object]) -> threading.Thread:
+    thread = threading.Thread(target=call)
+    thread.start()
+    return thread
+
+
+def test_a_message_is_a_frame_with_its_stamp() -> None:
+    rig = Rig()
+    rig.take(b"{}", 5)
+    rig.take(b"\xff\0", 6)
+    assert rig.frames == [(b"{}", 5), (b"\xff\0", 6)]
+    assert (rig.tally.frames, rig.tally.received_bytes, rig.tally.frame_errors) == (2, 4, {})
+
+
+@pytest.mark.parametrize(
+    ("payload", "retained", "reason"),
+    [
+        (b"{}", True, "retained"),
+        (b"", True, "retained"),
+        (b"", False, "empty"),
+        (b"\0 \r\n\t", False, "empty"),
+        (b"x" * (MAX_PAYLOAD_BYTES + 1), False, "overlong"),
+    ],
+)
+def test_what_is_no_frame_is_counted_and_is_data_all_the_same(
+    payload: bytes, retained: bool, reason: str
+) -> None:
+    rig = Rig()
+    rig.take(payload, retained=retained)
+    rig.take(payload, retained=retained)
+    assert rig.frames == []
+    assert rig.tally.frame_errors == {reason: 2}
+    assert (rig.tally.frames, rig.tally.received_bytes) == (0, 2 * len(payload))
+    assert rig.tally.last_data_ns is not None
+
+
+def test_the_longest_payload_is_a_frame() -> None:
+    rig = Rig()
+    rig.take(b"x" * MAX_PAYLOAD_BYTES)
+    assert len(rig.frames) == 1
+
+
+def test_of_several_topics_the_first_that_sends_is_read(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", logger="rosbase")
+    rig = Rig(is_filter=True)
+    rig.take(b"kept for ever", topic="a/imu", retained=True)
+    rig.take(b"", topic="a/imu")
+    rig.take(b"1", topic="b/imu")
+    rig.take(b"2", topic="a/imu")
+    rig.take(b"3", topic="b/imu")
+    assert [frame for frame, _ in rig.frames] == [b"1", b"3"]
+    assert rig.tally.frame_errors == {"retained": 1, "empty": 1, "other_topic": 1}
+    assert caplog.messages == ["reading b/imu"]
+
+
+def test_a_duplicate_is_what_was_seen_and_is_sent_again() -> None:
+    rig = Rig()
+    rig.take(b"same")
+    rig.take(b"same")
+    rig.take(b"same", redelivered=True)
+    rig.take(b"never seen", redelivered=True)
+    assert [frame for frame, _ in rig.frames] == [b"same", b"same", b"never seen"]
+    assert rig.tally.frame_errors == {"duplicate": 1}
+
+
+def test_what_is_remembered_of_duplicates_is_bounded() -> None:
+    rig = Rig()
+    for number in range(10_000):
+        rig.take(b"%d" % number)
+    rig.take(b"9999", redelivered=True)
+    rig.take(b"0", redelivered=True)
+    assert rig.tally.frame_errors == {"duplicate": 1}
+
+
+def test_an_on_frame_that_raises_is_logged_at_a_limited_rate(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def fail(frame: bytes, stamp_ns: int) -> None:
+        raise ValueError(frame)
+
+    rig = Rig(on_frame=fail)
+    for _ in range(100):
+        rig.take(b"x")
+    assert rig.tally.frames == 100
+    assert len(caplog.records) == 1
+    assert "Traceback" in caplog.text
+
+
+def test_nothing_is_handed_over_after_the_end() -> None:
+    rig = Rig()
+    assert rig.subscription.end(0.0)
+    assert rig.subscription.end(0.0)
+    rig.take(b"x")
+    assert rig.frames == []
+
+
+def test_the_end_waits_for_on_frame_to_return() -> None:
+    entered, leave = threading.Event(), threading.Event()
+    done: list[str] = []
+
+    def work(frame: bytes, stamp_ns: int) -> None:
+        entered.set()
+        leave.wait(20)
+        done.append("on_frame")
+
+    rig = Rig(on_frame=work)
+    delivering = started(lambda: rig.take(b"x"))
+    assert entered.wait(20)
+    ended: list[Any] = []
+    ending = started(lambda: ended.append((rig.subscription.end(20.0), *done)))
+    leave.set()
+    for thread in (ending, delivering):
+        thread.join(20)
+    assert ended == [(True, "on_frame")]
+
+
+def test_the_end_does_not_wait_for_an_on_frame_that_hangs() -> None:
+    entered, leave = threading.Event(), threading.Event()
+
+    def hang(frame: bytes, stamp_ns: int) -> None:
+        entered.set()
+        leave.wait(20)
+
+    rig = Rig(on_frame=hang)
+    delivering = started(lambda: rig.take(b"x"))
+    assert entered.wait(20)
+    assert elapsed(lambda: rig.subscription.end(0.05)) < 1.0
+    assert not rig.subscription.end(0.05)
+    leave.set()
+    delivering.join(20)
+    assert rig.subscription.end(0.0)
+
+
+def test_the_end_may_come_from_within_on_frame() -> None:
+    ended: list[bool] = []
+
+    def end(frame: bytes, stamp_ns: int) -> None:
+        ended.append(rig.subscription.end(1.0))
+
+    rig = Rig(on_frame=end)
+    rig.take(b"x")
+    rig.take(b"y")
+    assert ended == [True]
+
+
+def test_whoever_waits_for_the_broker_hears_its_first_answer() -> None:
+    subscription = Rig().subscription
+    refusal = TransportError("not you")
+    assert subscription.await_answer(0.0) is None
+    subscription.answer(refusal)
+    subscription.answer()
+    assert subscription.await_answer(0.0) is refusal
+
+
+def test_waiting_for_the_broker_ends_with_its_answer() -> None:
+    subscription = Rig().subscription
+    waiting = started(lambda: subscription.await_answer(20.0))
+    subscription.answer()
+    wait_until(lambda: not waiting.is_alive(), "the end of the waiting", timeout_s=5.0)
