@@ -17,10 +17,12 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from imu_mqtt.simulator import BrokeredDevice
 from imu_serial.simulator import PtyDevice
 from rosbase.errors import TransportError
 from rosbase.imu.simulator import payload_at
 from rosbase.messages import Time
+from rosbase.transport import SimulatedDevice
 from support.command import Lines, RunningRosbase, run_rosbase, summary_of
 from support.plugins import install_plugin
 from support.ros import Client
@@ -82,7 +84,7 @@ def listening(topic: str = "/imu/data") -> Iterator[Listener]:
 
 
 @contextmanager
-def heard(device: PtyDevice, topic: str = "/imu/data") -> Iterator[Listener]:
+def heard(device: SimulatedDevice, topic: str = "/imu/data") -> Iterator[Listener]:
     """A listener that has begun to hear the device, by way of a reader."""
     with listening(topic) as listener:
 
@@ -94,7 +96,7 @@ def heard(device: PtyDevice, topic: str = "/imu/data") -> Iterator[Listener]:
         yield listener
 
 
-def send(device: PtyDevice, rate_hz: float, count: int) -> list[dict[str, Any]]:
+def send(device: SimulatedDevice, rate_hz: float, count: int) -> list[dict[str, Any]]:
     """Sends so many samples, and gives what a listener should hear."""
     sent = []
     start_s = time.monotonic()
@@ -115,6 +117,23 @@ def as_sent(message: dict[str, Any]) -> dict[str, Any]:
     sec, nanosec = message["stamp"]
     stamp = {"sec": sec, "nanosec": nanosec}
     return {"header": {"stamp": stamp, "frame_id": message["frame_id"]}, **quantities}
+
+
+def test_every_sample_that_comes_over_mqtt_arrives_too() -> None:
+    device = BrokeredDevice()
+    try:
+        parameters = {"comm_t": "mqtt", "time_source": "device", **device.parameters}
+        given = [f"-p{name}:={value}" for name, value in parameters.items()]
+        with (
+            RunningRosbase("imu", "--backend", "ros2", *given) as reader,
+            heard(device) as listener,
+        ):
+            sent = send(device, 100, 100)
+            wait_until(lambda: len(listener.heard) >= 100, "100 samples")
+            assert [as_sent(message) for message in listener.heard] == sent
+            assert end(reader, signal.SIGINT) == 0
+    finally:
+        device.close()
 
 
 @pytest.mark.parametrize(("rate_hz", "count"), [(100, 200), (1000, 3000)])
