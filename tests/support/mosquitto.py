@@ -112,7 +112,12 @@ class Mosquitto:
         process, self._process = self._process, None
         if process is not None:
             process.send_signal(signum)
-            process.wait(20)
+            try:
+                process.wait(2)
+            except subprocess.TimeoutExpired:
+                # One that has only just begun misses a SIGTERM.
+                process.kill()
+                process.wait(20)
 
 
 def free_port() -> int:
