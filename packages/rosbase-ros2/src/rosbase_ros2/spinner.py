@@ -15,7 +15,9 @@ __all__ = ["Spinner"]
 
 # It is woken by a task.
 _LONG_S = 3600.0
-_PATIENCE_S = 2.0
+# A program ends within two seconds, whatever a callback of rclpy's is busy with: these add up.
+_CALL_S = 0.1
+_END_S = 0.5
 
 
 class Spinner:
@@ -38,8 +40,8 @@ class Spinner:
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
         self._thread.start()
 
-    def call(self, function: Callable[[], object]) -> None:
-        """Runs a function between two callbacks, and waits for it, a few seconds at most."""
+    def call(self, function: Callable[[], object], patience_s: float = _CALL_S) -> None:
+        """Runs a function between two callbacks, and waits a moment for it."""
         if threading.current_thread() is self._thread or not self._thread.is_alive():
             function()
             return
@@ -52,16 +54,16 @@ class Spinner:
                 done.set()
 
         self.executor.create_task(run)
-        done.wait(_PATIENCE_S)
+        done.wait(patience_s)
 
     def close(self) -> bool:
-        """Ends the thread; tells whether it has ended within two seconds."""
+        """Ends the thread; tells whether it has ended in time."""
         # What is ready goes first, such as the answer to who asked for the last transition.
-        self.call(_nothing)
+        self.call(_nothing, _END_S)
         self._ending = True
         self.executor.create_task(_nothing)
         if threading.current_thread() is not self._thread:
-            self._thread.join(_PATIENCE_S)
+            self._thread.join(_END_S)
         if self._thread.is_alive():
             return False
         self.executor.remove_node(self._node)
