@@ -159,7 +159,8 @@ def colcon(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
-    """How fast it is, beside the same thing written by hand; prints tables."""
+    """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     _install_wheels(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
-        session.run("python", str(benchmark), *session.posargs, env={"PYTHONPATH": "tests"})
+        if not session.posargs or benchmark.stem in session.posargs:
+            session.run("python", str(benchmark), env={"PYTHONPATH": "tests"})
