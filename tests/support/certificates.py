@@ -14,7 +14,11 @@ class Authority:
         self._folder = folder
         self.file = folder / f"{name}.pem"
         self._key = folder / f"{name}.key"
-        _openssl("req", "-x509", *_new_key(self._key, name), "-days", "2", "-out", str(self.file))
+        # From Python 3.13 on an authority must say what its key is for.
+        usage = ("-addext", "keyUsage=critical,keyCertSign,cRLSign")
+        _openssl(
+            "req", "-x509", *_new_key(self._key, name), "-days", "2", *usage, "-out", str(self.file)
+        )
 
     def sign(self, name: str, *, host: str = "", days: int = 2) -> tuple[Path, Path]:
         """A certificate and its key; with a negative number of days it has expired."""

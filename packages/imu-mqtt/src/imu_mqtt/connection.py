@@ -9,6 +9,7 @@ import select
 import socket
 import ssl
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeAlias, cast
 
 import paho.mqtt.client as mqtt
@@ -88,7 +89,7 @@ class Connection:
         client.tls_set_context(cast(Any, self._wrapper))
         client.on_connect = self._on_connect
         client.on_disconnect = self._on_disconnect
-        client.on_subscribe = self._on_subscribe
+        client.on_subscribe = client.on_unsubscribe = self._on_answer
         client.on_message = lambda _client, _data, message: on_message(message)
 
     def open(self) -> None:
@@ -103,6 +104,9 @@ class Connection:
             if self._wrapper.made is not None:
                 self._wrapper.made.close()
             raise failure
+        if self._client.socket() is None:
+            # The broker has hung up at once, and paho too.
+            raise self._lost()
         self._poll.register(self._socket, select.POLLIN)
         try:
             if not self._await(lambda: self._is_accepted):
@@ -135,8 +139,17 @@ class Connection:
                 raise RefusedError(f"the broker refuses the subscription to {topic}: {code}")
 
     def unsubscribe(self) -> None:
-        """Asks for no more messages; some may still come."""
-        self._client.unsubscribe(self._config.topic)
+        """Asks for no more messages, and waits a moment for the answer.
+
+        A broker may take two requests that come together in any order.
+
+        Raises:
+            TransportError: The connection was lost meanwhile.
+        """
+        _, mid = self._client.unsubscribe(self._config.topic)
+        if mid is not None:
+            self._await(lambda: mid in self._answers)
+            self._answers.pop(mid, None)
 
     def turn(self, timeout_s: float) -> bool:
         """Waits for something to do and does it; tells whether the connection still stands.
@@ -233,6 +246,12 @@ class Connection:
     def _socket(self) -> "_BufferedSocket":
         return cast("_BufferedSocket", self._wrapper.made)
 
+    def _lost(self) -> TransportError:
+        failure = self._socket.failure
+        if isinstance(failure, ssl.SSLError):
+            return _unreachable(self._config.address, failure)
+        return TransportError(self.end)
+
     def _say(self, status: bytes) -> None:
         self._client.publish(self._config.status_topic, status, qos=1, retain=True)
 
@@ -245,9 +264,7 @@ class Connection:
             if self._refusal is not None:
                 raise self._refusal
             if not stands and not is_there():
-                if isinstance(self._socket.failure, ssl.SSLError):
-                    raise _unreachable(self._config.address, self._socket.failure)
-                raise TransportError(self.end)
+                raise self._lost()
             if not self._is_wanted() or self._clock.monotonic_ns() > deadline_ns:
                 return False
         self._is_awaiting = False
@@ -278,7 +295,7 @@ class Connection:
         if not self._is_accepted and self._refusal is None and str(code) == "Protocol error":
             self._refusal = RefusedError(f"{address} speaks no MQTT {self._config.version}")
 
-    def _on_subscribe(
+    def _on_answer(
         self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
     ) -> None:
         self._answers[mid] = codes
@@ -365,10 +382,17 @@ class _BufferedSocket:
         """Why nothing more can be read; paho does not tell."""
         self._is_corked = False
         self._unsent = bytearray()
-        self.close = inner.close
         self.fileno = inner.fileno
         self.setblocking = inner.setblocking
         self.settimeout = inner.settimeout
+
+    def close(self) -> None:
+        """Closes it; first, with TLS, looks why the other end has, which paho may not have read."""
+        if isinstance(self._inner, ssl.SSLSocket) and self.failure is None:
+            with suppress(OSError, ValueError):
+                self._inner.settimeout(0.0)
+                self._fill()
+        self._inner.close()
 
     def pending(self) -> int:
         """How many bytes have been read from the network, and not by paho."""

@@ -3,6 +3,7 @@
 import os
 import select
 import threading
+from contextlib import suppress
 from typing import Any
 
 from imu_mqtt.config import MqttConfig
@@ -225,7 +226,9 @@ class NetworkThread:
         connection, self._connection = self._connection, None
         if connection is not None:
             if made is not None:
-                connection.unsubscribe()
+                # Whatever comes of it, it is over.
+                with suppress(Exception):
+                    connection.unsubscribe()
             connection.close()
         wanted = self._wanted
         if wanted is not None:
