@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from imu_mqtt.config import PASSWORD_VARIABLE
-from rosbase.errors import DeviceNotFoundError, DevicePermissionError
+from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
 from rosbase.transport import TransportState
 from support.certificates import Authority
 from support.command import RunningRosbase
@@ -238,7 +238,8 @@ def test_tls_works_with_a_certificate_of_the_client(rig: MosquittoRig) -> None:
     trusted = {"tls_ca_file": str(secure.authority.file)}
     rig.started(secure.address, **trusted, tls_cert_file=certificate, tls_key_file=key)
     rig.prove(secure.broker)
-    with pytest.raises(DevicePermissionError, match=r"TLS fails: .*certificate required"):
+    # The broker says why and hangs up, and the network may lose the one over the other.
+    with pytest.raises(TransportError, match=r"TLS fails: .*certificate required|was lost"):
         rig.transport(secure.address, **trusted).open()
 
 
