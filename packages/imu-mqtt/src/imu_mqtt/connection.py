@@ -9,7 +9,6 @@ import select
 import socket
 import ssl
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any, TypeAlias, cast
 
 import paho.mqtt.client as mqtt
@@ -17,6 +16,7 @@ from paho.mqtt.enums import CallbackAPIVersion, MQTTErrorCode, MQTTProtocolVersi
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
+from imu_mqtt.buffered_socket import BufferedSocket, SocketWrapper
 from imu_mqtt.config import Address, MqttConfig
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.clock import Clock
@@ -36,7 +36,6 @@ _WINDOW_NS = 100_000_000
 _GATHER_S = 0.002
 _MOST_PACKETS = 100
 
-_READ_BYTES = 65_536
 _TURN_S = 0.05
 _GOODBYE_S = 0.2
 _TRANSPORTS = {"ws": "websockets", "wss": "websockets", "unix": "unix"}
@@ -84,7 +83,7 @@ class Connection:
         self._poll = select.poll()
         self._wants = select.POLLIN
         self._packets, self._measured_ns, self._is_hurried = 0, clock.monotonic_ns(), False
-        self._wrapper = _SocketWrapper(_tls(config))
+        self._wrapper = SocketWrapper(_tls(config))
         self._client = client = _client(config)
         client.tls_set_context(cast(Any, self._wrapper))
         client.on_connect = self._on_connect
@@ -243,8 +242,8 @@ class Connection:
         return None
 
     @property
-    def _socket(self) -> "_BufferedSocket":
-        return cast("_BufferedSocket", self._wrapper.made)
+    def _socket(self) -> "BufferedSocket":
+        return cast("BufferedSocket", self._wrapper.made)
 
     def _lost(self) -> TransportError:
         failure = self._socket.failure
@@ -257,8 +256,14 @@ class Connection:
 
     def _await(self, is_there: Callable[[], bool]) -> bool:
         """Waits for an answer of the broker's; tells whether it came in time."""
-        deadline_ns = self._clock.monotonic_ns() + int(CONNECT_TIMEOUT_S * 1e9)
         self._is_awaiting = True
+        try:
+            return self._turn_until(is_there)
+        finally:
+            self._is_awaiting = False
+
+    def _turn_until(self, is_there: Callable[[], bool]) -> bool:
+        deadline_ns = self._clock.monotonic_ns() + int(CONNECT_TIMEOUT_S * 1e9)
         while not is_there():
             stands = self.turn(_TURN_S)
             if self._refusal is not None:
@@ -267,7 +272,6 @@ class Connection:
                 raise self._lost()
             if not self._is_wanted() or self._clock.monotonic_ns() > deadline_ns:
                 return False
-        self._is_awaiting = False
         return True
 
     # Called by paho, from within `turn`.
@@ -362,114 +366,3 @@ def _unreachable(address: Address, error: Exception) -> TransportError:
 def _one_line(error: Exception) -> str:
     reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
     return " ".join(str(reason).split())
-
-
-class _BufferedSocket:
-    """As much of a socket as paho uses, with a few large reads and writes instead of many small.
-
-    paho reads a packet in four pieces, and in each of these system calls another thread may take
-    over. Two threads that work hand in hand, one message after the other, then do so all the
-    time, which costs more than whatever is done with a message.
-    """
-
-    def __init__(self, inner: socket.socket) -> None:
-        """Takes over a socket that is connected."""
-        self._inner = inner
-        # One buffer and exact copies keep the memory of the process flat.
-        self._view = memoryview(bytearray(_READ_BYTES))
-        self._start = self._end = 0
-        self.failure: OSError | None = None
-        """Why nothing more can be read; paho does not tell."""
-        self._is_corked = False
-        self._unsent = bytearray()
-        self.fileno = inner.fileno
-        self.setblocking = inner.setblocking
-        self.settimeout = inner.settimeout
-
-    def close(self) -> None:
-        """Closes it; first, with TLS, looks why the other end has, which paho may not have read."""
-        if isinstance(self._inner, ssl.SSLSocket) and self.failure is None:
-            with suppress(OSError, ValueError):
-                self._inner.settimeout(0.0)
-                self._fill()
-        self._inner.close()
-
-    def pending(self) -> int:
-        """How many bytes have been read from the network, and not by paho."""
-        inner = self._inner
-        # What TLS has decrypted, poll does not see.
-        below = inner.pending() if isinstance(inner, ssl.SSLSocket) else 0
-        return self._end - self._start + below
-
-    def recv(self, size: int) -> bytes:
-        """Some of what has arrived, `size` bytes at most. Raises what a socket does."""
-        start, end = self._start, self._end
-        if start == end:
-            start, end = 0, self._fill()
-        self._start, self._end = stop, _ = min(start + size, end), end
-        return self._view[start:stop].tobytes()
-
-    def _fill(self) -> int:
-        try:
-            return self._inner.recv_into(self._view)
-        except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
-            raise
-        except OSError as error:
-            self.failure = error
-            raise
-
-    def send(self, data: bytes) -> int:
-        """Sends some of it. Raises what a socket does."""
-        if self._is_corked:
-            self._unsent += data
-            return len(data)
-        self.flush()
-        if self._unsent:
-            raise BlockingIOError
-        return self._inner.send(data)
-
-    def cork(self) -> None:
-        """Has `send` keep everything, until `flush`."""
-        self._is_corked = True
-
-    def flush(self) -> None:
-        """Sends what was kept, as much as the network takes."""
-        self._is_corked = False
-        if self._unsent:
-            try:
-                del self._unsent[: self._inner.send(self._unsent)]
-            except OSError:
-                # The network is busy; or it is gone, and reading says so.
-                pass
-
-    @property
-    def has_unsent(self) -> bool:
-        """Whether the network has yet to take some of what was kept."""
-        return bool(self._unsent)
-
-    def do_handshake(self) -> None:
-        """That of TLS, if it is used. Raises what a socket does."""
-        if isinstance(self._inner, ssl.SSLSocket):
-            self._inner.do_handshake()
-
-
-class _SocketWrapper:
-    """What paho takes for a TLS context, because it asks that to wrap its socket."""
-
-    check_hostname = True
-    """Has paho leave that to the context behind this one."""
-
-    def __init__(self, tls: ssl.SSLContext | None) -> None:
-        """Takes the context of a secure connection."""
-        self._tls = tls
-        self.made: _BufferedSocket | None = None
-        """The socket that paho uses; a WebSocket stands between the two."""
-
-    def wrap_socket(self, sock: socket.socket, server_hostname: str, **_: Any) -> _BufferedSocket:
-        """The socket that paho is to use."""
-        if self._tls is not None:
-            sock = self._tls.wrap_socket(
-                sock, server_hostname=server_hostname, do_handshake_on_connect=False
-            )
-        self.made = _BufferedSocket(sock)
-        return self.made
