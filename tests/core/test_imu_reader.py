@@ -125,6 +125,15 @@ def test_the_device_time_is_used_if_asked_for_and_usable(rigs: Callable[..., Rig
     assert message.header.stamp == Time(1, 0), "by default it is the arrival"
 
 
+def test_m8_stamps_of_the_device_neither_repeat_nor_go_back(rigs: Callable[..., Rig]) -> None:
+    rig = rigs(time_source="device").activate()
+    assert rig.send(GOOD_FRAME)
+    assert not rig.send(GOOD_FRAME)
+    early = {"header": {"stamp": {"secs": 1_699_999_999, "nsecs": 0}}}
+    assert not rig.send(payload(**early))
+    assert rig.reader.counts.by_reason == {"duplicate": 1, "out_of_order": 1}
+
+
 def test_wrong_units_are_said_and_never_mended(
     rigs: Callable[..., Rig], caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -8,6 +8,7 @@ import attrs
 from rosbase.backend import Timer
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
+from rosbase.imu.date_order import DateOrder
 from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel, judge_health
 from rosbase.imu.mapping import SampleReader
@@ -201,7 +202,7 @@ class ImuReader(LifecycleNode):
         self._read_sample: SampleReader = settings.mapping.compile(
             device_time=settings.uses_device_time
         )
-        self._uses_device_time = settings.uses_device_time
+        self._date_order = DateOrder() if settings.uses_device_time else None
         self._plausibility = None if settings.plausibility == "off" else Plausibility()
         self._refuses_implausible = settings.plausibility == "reject"
 
@@ -215,11 +216,16 @@ class ImuReader(LifecycleNode):
             if self._refuses_implausible and self._plausibility.finding:
                 self._drop(Reject("implausible", self._plausibility.finding), frame)
                 return
-        if self._uses_device_time:
-            if sample.device_time_ns is None:
+        if self._date_order is not None:
+            date_ns = sample.device_time_ns
+            if date_ns is None:
                 self._counts.time_unusable += 1
             else:
-                stamp_ns = sample.device_time_ns
+                late = self._date_order.judge(sample, date_ns, stamp_ns)
+                if late is not None:
+                    self._drop(late, frame)
+                    return
+                stamp_ns = date_ns
         if self._outlet is not None and self._outlet.publish(sample, stamp_ns):
             self._counts.published += 1
         else:

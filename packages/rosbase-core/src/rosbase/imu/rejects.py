@@ -7,7 +7,7 @@ __all__ = ["IGNORED", "REASONS", "Reject"]
 REASONS: dict[str, str] = {
     "bad_json": "not valid JSON",
     "bad_quaternion": "the orientation is not a unit quaternion; is the order right?",
-    "duplicate": "sent again by the broker, and known already",
+    "duplicate": "delivered once more",
     "empty": "nothing in it",
     "implausible": "gravity is not what it should be at rest; is the unit right?",
     "incomplete": "part of a vector is missing",
@@ -20,6 +20,7 @@ REASONS: dict[str, str] = {
     "not_selected": "another kind of message on the same stream",
     "not_utf8": "bytes that are not text; check the baud rate",
     "other_topic": "of another device under the same wildcard",
+    "out_of_order": "dated before one that has been published",
     "out_of_range": "a number too large to be one",
     "overlong": "too long for a sample; is it the right device and baud rate?",
     "retained": "kept by the broker from an earlier time",
