@@ -27,7 +27,9 @@ DISTRIBUTIONS = {
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a wheel is to be installed with, by the name of its package.
 EXTRAS = {"imu_mqtt": "[broker]"}
-TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3"]
+TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
+# Most tests wait for something; two processes wait side by side.
+PYTEST = ["pytest", "-q", "-n", "2"]
 LINTERS = ["ruff==0.17.6"]
 OLDEST = "3.11"
 
@@ -65,7 +67,7 @@ def tests(session: nox.Session, distribution: str) -> None:
     names, folder = DISTRIBUTIONS[distribution]
     session.install(*TEST_TOOLS)
     _install_wheels(session, *names)
-    session.run("pytest", "-q", folder, *session.posargs)
+    session.run(*PYTEST, folder, *session.posargs)
 
 
 @nox.session(python=PYTHONS)
@@ -73,7 +75,7 @@ def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
     session.install(*TEST_TOOLS)
     _install_wheels(session, *ALL)
-    session.run("pytest", "-q", "tests/ros2", *session.posargs)
+    session.run(*PYTEST, "tests/ros2", *session.posargs)
 
 
 @nox.session(python=PYTHONS)
@@ -81,7 +83,7 @@ def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
     session.install(*TEST_TOOLS)
     _install_wheels(session, *DISTRIBUTIONS)
-    session.run("pytest", "-q", "tests/integration", *session.posargs)
+    session.run(*PYTEST, "tests/integration", *session.posargs)
 
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
