@@ -2,5 +2,6 @@
 
 from rosbase.testing.backend import virtual_backend
 from rosbase.testing.clock import ManualClock
+from rosbase.testing.promise import BrokenPromiseError, Promise
 
-__all__ = ["ManualClock", "virtual_backend"]
+__all__ = ["BrokenPromiseError", "ManualClock", "Promise", "virtual_backend"]
