@@ -7,16 +7,14 @@ import time
 
 import pytest
 
-from imu_serial.config import SerialConfig
-from imu_serial.transport import STOP_TIMEOUT_S, SerialTransport
 from rosbase.clock import SystemClock
+from rosbase.device import STOP_TIMEOUT_S
 from rosbase.errors import (
     DeviceBusyError,
     DeviceNotFoundError,
     TransportError,
 )
-from rosbase.logger import RosbaseLogger
-from rosbase.transport import TransportContext, TransportState
+from rosbase.transport import TransportState
 from support.serial_port import PluggablePort
 from support.serial_rig import SerialRig, elapsed, wait_for_state
 from support.waiting import wait_until
@@ -150,7 +148,8 @@ def test_an_on_frame_that_was_left_behind_cannot_end_its_successor(rig: SerialRi
     (rig.port.path.parent / "other").mkdir()
     other = PluggablePort(rig.port.path.parent / "other")
     other.plug()
-    transport._config = SerialConfig(str(other.path), 115_200)
+    rig.port.path.unlink()
+    rig.port.path.symlink_to(other.real_path)
     transport.start(rig.keep)
     leave.set()
     assert left.wait(10)
@@ -177,9 +176,7 @@ def test_a_reader_that_fails_is_noticed_and_can_be_started_again(
 
     rig.port.plug()
     clock = Clock()
-    context = TransportContext(clock, RosbaseLogger("serial_test"))
-    transport = SerialTransport(SerialConfig(str(rig.port.path), 115_200), context)
-    rig.made.append(transport)
+    transport = rig.transport(clock=clock)
     transport.start(rig.keep)
     rig.prove()
     clock.fails = True

@@ -5,11 +5,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from imu_serial.config import SerialConfig
-from imu_serial.transport import SerialTransport
-from rosbase.clock import SystemClock
+from imu_serial.plugin import rosbase_transports
+from rosbase.clock import Clock, SystemClock
 from rosbase.logger import RosbaseLogger
-from rosbase.transport import TransportContext, TransportState
+from rosbase.parameters import ParameterValue
+from rosbase.transport import Transport, TransportContext, TransportState
 from support.serial_port import PluggablePort
 from support.waiting import wait_until
 
@@ -20,12 +20,20 @@ class SerialRig:
     def __init__(self, folder: Path) -> None:
         self.port = PluggablePort(folder)
         self.frames: queue.Queue[tuple[bytes, int]] = queue.Queue()
-        self.made: list[SerialTransport] = []
+        self.made: list[Transport] = []
 
-    def transport(self, *, wait: bool = False, path: Path | None = None) -> SerialTransport:
-        config = SerialConfig(str(path or self.port.path), 115_200, wait)
-        context = TransportContext(SystemClock(), RosbaseLogger("serial_test"))
-        self.made.append(SerialTransport(config, context))
+    def transport(
+        self, *, wait: bool = False, path: Path | None = None, clock: Clock | None = None
+    ) -> Transport:
+        (plugin,) = rosbase_transports()
+        device_path = str(path or self.port.path)
+        values: dict[str, ParameterValue] = {
+            "device_path": device_path,
+            "baudrate": 115_200,
+            "wait_for_device": wait,
+        }
+        context = TransportContext(clock or SystemClock(), RosbaseLogger("serial_test"))
+        self.made.append(plugin.create(values, context))
         return self.made[-1]
 
     def keep(self, frame: bytes, stamp_ns: int) -> None:
@@ -38,7 +46,7 @@ class SerialRig:
     def next(self) -> bytes:
         return self.frames.get(timeout=20)[0]
 
-    def started(self) -> SerialTransport:
+    def started(self) -> Transport:
         """A transport that has proved to read."""
         self.port.plug()
         transport = self.transport()
@@ -62,7 +70,7 @@ class SerialRig:
         wait_until(lambda: self.next() == b"last", "the last proof")
 
 
-def wait_for_state(transport: SerialTransport, wanted: TransportState) -> None:
+def wait_for_state(transport: Transport, wanted: TransportState) -> None:
     wait_until(lambda: transport.health.state is wanted, f"state {wanted}")
 
 

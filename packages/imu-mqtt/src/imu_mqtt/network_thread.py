@@ -1,6 +1,5 @@
 """The thread that keeps a connection to the broker, for as long as one is wanted."""
 
-import os
 import select
 import threading
 from contextlib import suppress
@@ -12,6 +11,7 @@ from imu_mqtt.subscription import Subscription
 from rosbase.backoff import Backoff
 from rosbase.errors import TransportError
 from rosbase.transport import Tally, TransportContext
+from rosbase.wake_pipe import WakePipe
 
 __all__ = ["NetworkThread"]
 
@@ -50,12 +50,7 @@ class NetworkThread:
         """Whether there is a connection at this moment."""
         self._is_tried = threading.Event()
         self._failure: TransportError | None = None
-        # A byte in the pipe wakes the thread wherever it waits in the kernel.
-        self._wake_read, self._wake_write = os.pipe()
-        os.set_blocking(self._wake_read, False)
-        os.set_blocking(self._wake_write, False)
-        # Guards the pipe against its end.
-        self._end_lock = threading.Lock()
+        self._wakeup = WakePipe()
         self._has_ended = False
         self._thread = threading.Thread(target=self._run, name="imu-mqtt", daemon=True)
 
@@ -64,7 +59,7 @@ class NetworkThread:
         try:
             self._thread.start()
         except RuntimeError:
-            self._close_pipe()
+            self._wakeup.close()
             raise
 
     @property
@@ -92,26 +87,17 @@ class NetworkThread:
         if subscription is not None and not self.is_connected:
             # Made when there is a connection; nobody need wait for that.
             subscription.answer()
-        self._wake()
+        self._wakeup.wake()
 
     def request_stop(self) -> None:
         """Asks the thread to disconnect and end."""
         self._stopping = True
-        self._wake()
+        self._wakeup.wake()
 
     def join(self, timeout_s: float) -> bool:
         """Waits for the end; tells whether it came in time."""
         self._thread.join(timeout_s)
         return not self._thread.is_alive()
-
-    def _wake(self) -> None:
-        with self._end_lock:
-            if not self._has_ended:
-                try:
-                    os.write(self._wake_write, b"x")
-                except BlockingIOError:
-                    # It is being woken already.
-                    pass
 
     # On the thread.
 
@@ -124,7 +110,8 @@ class NetworkThread:
             self._failure = TransportError(self._tally.last_error)
             self._context.logger.error(self._tally.last_error, exc_info=error)
         finally:
-            self._close_pipe()
+            self._has_ended = True
+            self._wakeup.close()
             self._is_tried.set()
 
     def _connect_and_serve(self) -> float:
@@ -143,13 +130,13 @@ class NetworkThread:
         return 0.0
 
     def _serve(self, connection: Connection) -> None:
-        connection.watch(self._wake_read)
+        connection.watch(self._wakeup.fileno())
         while not self._stopping:
             if self._wanted is not self._made:
                 self._resubscribe(connection)
             if not connection.turn(_TURN_S):
                 raise TransportError(connection.end)
-            self._take_wakeups()
+            self._wakeup.drain()
             if not self._is_proved and self._context.clock.monotonic_ns() > self._proved_from_ns:
                 self._note_proved()
 
@@ -237,26 +224,14 @@ class NetworkThread:
     def _sleep(self, seconds: float) -> None:
         """Waits, unless the thread is to end."""
         wakeup = select.poll()
-        wakeup.register(self._wake_read, select.POLLIN)
+        wakeup.register(self._wakeup, select.POLLIN)
         deadline_ns = self._context.clock.monotonic_ns() + int(seconds * 1e9)
         while not self._stopping:
             left_ns = deadline_ns - self._context.clock.monotonic_ns()
             if left_ns <= 0:
                 return
             wakeup.poll(left_ns / 1e6)
-            self._take_wakeups()
-
-    def _take_wakeups(self) -> None:
-        try:
-            os.read(self._wake_read, 64)
-        except BlockingIOError:
-            pass
-
-    def _close_pipe(self) -> None:
-        with self._end_lock:
-            self._has_ended = True
-            os.close(self._wake_read)
-            os.close(self._wake_write)
+            self._wakeup.drain()
 
     def _say_connected(self) -> None:
         self._tally.last_error = ""

@@ -4,7 +4,7 @@ import threading
 from collections import deque
 
 from rosbase.errors import TransportError
-from rosbase.transport import OnFrame, Tally, TransportContext
+from rosbase.transport import OnFrame, Tally, TransportContext, hand_over
 
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
 
@@ -12,7 +12,6 @@ MAX_PAYLOAD_BYTES = 65_536
 """Longer payloads are refused. Known IMUs stay under 500 bytes."""
 
 _REMEMBERED = 100
-_CALLBACK_LOG_S = 5.0
 _BLANK = b"\0 \t\r\n"
 
 
@@ -74,19 +73,14 @@ class Subscription:
         tally.received_bytes += len(payload)
         reason = self._refuses(payload, topic, retained, redelivered)
         if reason:
-            tally.frame_errors[reason] = tally.frame_errors.get(reason, 0) + 1
+            tally.count_error(reason)
             return
         with self._delivering:
             on_frame = self._on_frame
             if on_frame is None:
                 return
             tally.frames += 1
-            try:
-                on_frame(payload, stamp_ns)
-            except BaseException as error:
-                # The boundary to the user's code: one bad frame must not end the stream.
-                if self._context.logger.due("on_frame", _CALLBACK_LOG_S):
-                    self._context.logger.error(f"on_frame raised {error!r}", exc_info=error)
+            hand_over(on_frame, payload, stamp_ns, self._context.logger)
 
     def _refuses(self, payload: bytes, topic: str, retained: bool, redelivered: bool) -> str:
         """Why a message is no frame, in one word; empty if it is one."""

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from imu_serial.config import PARAMETERS, SerialConfig
+from rosbase.device import DeviceTransport
+from rosbase.framing import LineFramer
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import TransportPlugin, hookimpl
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
@@ -11,9 +13,15 @@ __all__ = ["rosbase_transports"]
 
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
-    from imu_serial.transport import SerialTransport
+    from imu_serial.port import Port
 
-    return SerialTransport(SerialConfig.from_values(values), context)
+    config = SerialConfig.from_values(values)
+    return DeviceTransport(
+        lambda: Port(config),
+        context,
+        framer=LineFramer(),
+        waits_for_device=config.wait_for_device,
+    )
 
 
 def _simulate() -> SimulatedDevice:

@@ -4,7 +4,6 @@ import errno
 import fcntl
 import grp
 import os
-import select
 import termios
 
 import serial
@@ -38,12 +37,14 @@ class Port:
             TransportError: Which kind says why; the message is one line.
         """
         path = config.device_path
-        self.name = path if path.isprintable() and path else repr(path)
-        """The path, fit for a line of text."""
+        # Fit for a line of text.
+        self._path = path if path.isprintable() and path else repr(path)
+        self.name = f"{self._path} at {config.baudrate} baud"
+        """What it is called when it is opened."""
         if not path or "\0" in path:
-            raise NotADeviceError(f"{self.name} is not the name of a serial port")
+            raise NotADeviceError(f"{self._path} is not the name of a serial port")
         if os.path.isdir(path):
-            raise NotADeviceError(f"{self.name} is a directory, not a serial port")
+            raise NotADeviceError(f"{self._path} is a directory, not a serial port")
         port = serial.Serial()
         port.port = path
         port.baudrate = config.baudrate
@@ -52,30 +53,24 @@ class Port:
         try:
             port.open()
         except (OSError, ValueError, termios.error) as error:
-            raise _explain(self.name, path, config.baudrate, error) from error
+            raise _explain(self._path, path, config.baudrate, error) from error
         self._serial = port
         self._fd: int = port.fileno()
-        self._poll = select.poll()
         # Read into one buffer: a new one for each chunk, cut to size, would fragment the heap.
         self._buffer = bytearray(_CHUNK_BYTES)
         self._view = memoryview(self._buffer)
         self._refuse_others()
 
-    def watch(self, wake_fd: int) -> None:
-        """Has `read` return early when `wake_fd` becomes readable."""
-        self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLIN)
-        self._poll.register(wake_fd, select.POLLIN)
+    def fileno(self) -> int:
+        """The descriptor."""
+        return self._fd
 
     def read(self) -> bytes:
-        """What has arrived; waits for it in the kernel. May be empty after a wake-up.
+        """What has arrived, as much as one read of a terminal gives.
 
         Raises:
             TransportError: The port is gone.
         """
-        ready = self._poll.poll()
-        if len(ready) > 1 or ready[0][0] != self._fd:
-            return b""
         try:
             size = os.readv(self._fd, [self._buffer])
         except BlockingIOError:
@@ -108,7 +103,7 @@ class Port:
             self._serial.close()
 
     def _lost(self, why: str) -> TransportError:
-        return TransportError(f"{self.name} was lost: {why}")
+        return TransportError(f"{self._path} was lost: {why}")
 
     def _refuse_others(self) -> None:
         # pyserial's lock is advisory; this one also holds against programs that do not ask.

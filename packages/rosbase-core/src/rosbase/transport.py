@@ -28,7 +28,10 @@ __all__ = [
     "TransportContext",
     "TransportHealth",
     "TransportState",
+    "hand_over",
 ]
+
+_CALLBACK_LOG_S = 5.0
 
 OnFrame: TypeAlias = Callable[[bytes, int], object]
 """`on_frame(frame, stamp_ns)`: one whole frame, and when its first bytes were read."""
@@ -72,6 +75,10 @@ class Tally:
     last_data_ns: int | None = None
     last_error: str = ""
 
+    def count_error(self, reason: str) -> None:
+        """Counts something that could not become a frame."""
+        self.frame_errors[reason] = self.frame_errors.get(reason, 0) + 1
+
     def health(self, state: TransportState) -> TransportHealth:
         """All of it, at this moment."""
         return TransportHealth(
@@ -92,6 +99,17 @@ class TransportContext:
 
     clock: Clock
     logger: RosbaseLogger
+
+
+def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLogger) -> None:
+    """Calls `on_frame`. What that raises is logged, at a limited rate: the stream goes on."""
+    try:
+        on_frame(frame, stamp_ns)
+    except BaseException as error:
+        # The boundary to the user's code. Base: one that calls sys.exit() would end the thread
+        # only, in silence.
+        if logger.due("on_frame", _CALLBACK_LOG_S):
+            logger.error(f"on_frame raised {error!r}", exc_info=error)
 
 
 class Transport(ABC):

@@ -1,11 +1,11 @@
-"""The transport `serial`: open, start, stop and close, from any thread and in any order."""
+"""open, start, stop and close, from any thread and in any order, for any device."""
 
 import threading
 
-from imu_serial.config import SerialConfig
-from imu_serial.port import Port
-from imu_serial.reader_thread import ReaderThread
+from rosbase.device.device import Device, OpenDevice
+from rosbase.device.reader_thread import ReaderThread
 from rosbase.errors import TransportError
+from rosbase.framing import Framer
 from rosbase.transport import (
     OnFrame,
     Tally,
@@ -15,21 +15,43 @@ from rosbase.transport import (
     TransportState,
 )
 
-__all__ = ["STOP_TIMEOUT_S", "SerialTransport"]
+__all__ = ["STOP_TIMEOUT_S", "DeviceTransport"]
 
 STOP_TIMEOUT_S = 2.0
 """How long `stop` waits for an `on_frame` that does not return."""
 
 
-class SerialTransport(Transport):
-    """Lines from a serial port."""
+class DeviceTransport(Transport):
+    """Reads a device that has a descriptor, on a thread of its own, and brings it back when lost.
 
-    def __init__(self, config: SerialConfig, context: TransportContext) -> None:
-        """Touches nothing yet."""
-        self._config = config
+    A plugin makes one from what opens its device. Nothing is to be overridden.
+    """
+
+    def __init__(
+        self,
+        open_device: OpenDevice,
+        context: TransportContext,
+        *,
+        framer: Framer | None = None,
+        waits_for_device: bool = False,
+    ) -> None:
+        """Touches nothing yet.
+
+        Args:
+            open_device: Opens the device. Called on the thread that opens, and later on the
+                reader thread, one at a time.
+            context: The clock and the logger that the transport was given.
+            framer: Cuts a stream into frames; None where each read is a whole one, as of
+                datagrams.
+            waits_for_device: Whether `open` leaves a device that is absent to the reader thread,
+                instead of raising what `open_device` raises.
+        """
+        self._open_device = open_device
         self._context = context
+        self._framer = framer
+        self._waits_for_device = waits_for_device
         self._tally = Tally()
-        self._port: Port | None = None
+        self._device: Device | None = None
         self._reader: ReaderThread | None = None
         self._left_behind: list[ReaderThread] = []
         self._is_awaited = False
@@ -37,30 +59,28 @@ class SerialTransport(Transport):
         self._lock = threading.RLock()
 
     def open(self) -> None:
-        """Takes the port; with `wait_for_device` an absent one is left to the reader thread."""
+        """Takes the device; one that is waited for is left to the reader thread."""
         if self._on_reader_thread():
             return
         with self._lock:
             self._collect_stopped_reader()
-            if self._reader is not None or self._port is not None:
+            if self._reader is not None or self._device is not None:
                 return
             try:
-                self._port = Port(self._config)
+                self._device = self._open_device()
             except TransportError as error:
                 self._tally.last_error = str(error)
-                if not (self._config.wait_for_device and error.retryable):
+                if not (self._waits_for_device and error.retryable):
                     raise
                 if not self._is_awaited:
                     self._context.logger.warning(f"{error}; waiting for it")
                 self._is_awaited = True
             else:
                 self._tally.last_error = ""
-                self._context.logger.info(
-                    f"opened {self._port.name} at {self._config.baudrate} baud"
-                )
+                self._context.logger.info(f"opened {self._device.name}")
 
     def start(self, on_frame: OnFrame) -> None:
-        """Starts the reader thread, on the open port, or waiting for one."""
+        """Starts the reader thread, on the open device, or waiting for one."""
         if self._on_reader_thread():
             return
         with self._lock:
@@ -68,42 +88,44 @@ class SerialTransport(Transport):
             if self._reader is not None:
                 return
             self.open()
-            port = self._port
+            device = self._device
             try:
-                reader = ReaderThread(self._config, self._context, port, on_frame, self._tally)
+                reader = ReaderThread(
+                    self._open_device, self._context, self._framer, device, on_frame, self._tally
+                )
                 # Known before it runs: the first frame may make `on_frame` call us.
-                self._reader, self._port = reader, None
+                self._reader, self._device = reader, None
                 reader.start()
             except (OSError, RuntimeError) as error:
-                self._reader, self._port = None, port
+                self._reader, self._device = None, device
                 raise TransportError(f"no reader can be started: {error}") from error
             self._is_awaited = False
 
     def stop(self) -> None:
         """Ends the reader thread; waits for it, except on that thread itself."""
         if self._on_reader_thread():
-            self._reader_asks_to_end(closes_port=False)
+            self._reader_asks_to_end(closes_device=False)
             return
         with self._lock:
             self._end_reader()
 
     def close(self) -> None:
-        """Ends the reader thread and gives the port back."""
+        """Ends the reader thread and gives the device back."""
         if self._on_reader_thread():
-            self._reader_asks_to_end(closes_port=True)
+            self._reader_asks_to_end(closes_device=True)
             return
         with self._lock:
             self._end_reader()
             self._is_awaited = False
-            if self._port is not None:
-                self._port.close()
-                self._port = None
+            if self._device is not None:
+                self._device.close()
+                self._device = None
 
     @property
     def is_open(self) -> bool:
-        """Whether the port is held at this moment."""
+        """Whether the device is held at this moment."""
         reader = self._reader
-        return (reader.port if reader is not None else self._port) is not None
+        return (reader.device if reader is not None else self._device) is not None
 
     @property
     def health(self) -> TransportHealth:
@@ -122,16 +144,16 @@ class SerialTransport(Transport):
         readers = [self._reader, *self._left_behind]
         return any(reader is not None and reader.is_current_thread for reader in readers)
 
-    def _reader_asks_to_end(self, *, closes_port: bool) -> None:
+    def _reader_asks_to_end(self, *, closes_device: bool) -> None:
         reader = self._reader
         # One that was left behind has nothing to say about its successor.
         if reader is not None and reader.is_current_thread:
             reader.request_stop()
-            if closes_port:
-                reader.close_port_at_end()
+            if closes_device:
+                reader.close_device_at_end()
 
     def _collect_stopped_reader(self) -> None:
-        """Takes the port back from a reader that was stopped from within `on_frame`."""
+        """Takes the device back from a reader that was stopped from within `on_frame`."""
         if self._reader is not None and self._reader.is_stopping:
             self._end_reader()
 
@@ -141,9 +163,9 @@ class SerialTransport(Transport):
             return
         reader.request_stop()
         if reader.join(STOP_TIMEOUT_S):
-            self._port = reader.port
+            self._device = reader.device
         else:
-            reader.close_port_at_end()
+            reader.close_device_at_end()
             self._left_behind = [r for r in self._left_behind if not r.join(0.0)] + [reader]
             self._context.logger.error(
                 f"on_frame has not returned for {STOP_TIMEOUT_S:g} s; its thread is left behind"

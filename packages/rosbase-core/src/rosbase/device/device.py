@@ -1,0 +1,48 @@
+"""What the author of a transport writes when the system can wait for the device.
+
+Must implement: all of it. A plain class will do; there is nothing to inherit.
+"""
+
+from collections.abc import Callable
+from typing import Protocol, TypeAlias
+
+__all__ = ["Device", "OpenDevice"]
+
+
+class Device(Protocol):
+    """A device, or a link to one, that is open. The reader thread alone calls it."""
+
+    @property
+    def name(self) -> str:
+        """What people call it in a line of text, such as `/dev/ttyUSB0`."""
+        ...
+
+    def fileno(self) -> int:
+        """The descriptor that can be read when there is something."""
+        ...
+
+    def read(self) -> bytes:
+        """What has arrived, without waiting for more; empty if there is nothing after all.
+
+        Called when the descriptor can be read or is at its end.
+
+        Raises:
+            TransportError: The device is lost. It is closed then, and opened anew.
+        """
+        ...
+
+    def discard_input(self) -> None:
+        """Forgets what has arrived and was not read. Called when reading begins.
+
+        Raises:
+            TransportError: The device is lost.
+        """
+        ...
+
+    def close(self) -> None:
+        """Gives the device back. Raises nothing. Called once."""
+        ...
+
+
+OpenDevice: TypeAlias = Callable[[], Device]
+"""Opens the device, within a second or two, or raises the TransportError that says why not."""
