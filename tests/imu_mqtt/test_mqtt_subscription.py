@@ -91,6 +91,16 @@ def test_of_several_topics_the_first_that_sends_is_read(caplog: pytest.LogCaptur
     assert caplog.messages == ["reading b/imu"]
 
 
+def test_what_another_device_sends_does_not_hide_that_ours_is_silent() -> None:
+    rig = Rig(is_filter=True)
+    rig.take(b"1", topic="a/imu")
+    last_ns = rig.tally.last_data_ns
+    rig.take(b"2", topic="b/imu")
+    assert rig.tally.last_data_ns == last_ns
+    rig.take(b"3", topic="a/imu")
+    assert rig.tally.last_data_ns != last_ns
+
+
 def test_a_duplicate_is_what_was_seen_and_is_sent_again() -> None:
     rig = Rig()
     rig.take(b"same")

@@ -69,9 +69,11 @@ class Subscription:
     ) -> None:
         """Hands a message over, or counts why it is no frame."""
         tally = self._tally
-        tally.last_data_ns = self._context.clock.monotonic_ns()
         tally.received_bytes += len(payload)
         reason = self._refuses(payload, topic, retained, redelivered)
+        if reason != "other_topic":
+            # What another device sends must not hide that ours is silent.
+            tally.last_data_ns = self._context.clock.monotonic_ns()
         if reason:
             tally.count_error(reason)
             return
