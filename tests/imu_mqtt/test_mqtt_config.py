@@ -78,6 +78,11 @@ def test_what_is_no_address_is_one_line(text: str) -> None:
     assert complaint(address=text).startswith("parameter server_address ")
 
 
+@pytest.mark.parametrize("port", ["0", "-1", "65536", "port"])
+def test_what_is_no_port_is_named(port: str) -> None:
+    assert "takes a port from 1 to 65535" in complaint(address=f"tcp://host:{port}")
+
+
 @given(
     st.text(max_size=30) | st.builds("{}://{}".format, st.sampled_from(["tcp", "ws"]), st.text())
 )
@@ -109,7 +114,7 @@ def test_topics_and_filters_are_taken(topic: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "topic", ["", "a\0", "a+/b", "#/a", "a#", "a/#/b", "x" * 65_536, "\udcff", "é" * 40_000]
+    "topic", ["", "a\0", "a+/b", "#/a", "a#", "a/#/b", "a\n", "x" * 65_536, "\udcff", "é" * 40_000]
 )
 def test_what_is_no_topic_is_one_line(topic: str) -> None:
     assert complaint(mqtt_topic=topic).startswith("parameter mqtt_topic")
@@ -118,6 +123,11 @@ def test_what_is_no_topic_is_one_line(topic: str) -> None:
 @pytest.mark.parametrize("topic", ["+", "a/#"])
 def test_a_status_has_one_topic(topic: str) -> None:
     assert "status_topic takes one topic" in complaint(status_topic=topic)
+
+
+@pytest.mark.parametrize("topic", ["$SYS/state", "$share/group/state"])
+def test_a_status_is_not_sent_to_a_topic_of_the_brokers_own(topic: str) -> None:
+    assert "takes no $ in front" in complaint(status_topic=topic)
 
 
 @given(st.text())
@@ -129,7 +139,7 @@ def test_any_text_is_a_topic_or_a_complaint(topic: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["client_id", "username", "status_topic"])
-@pytest.mark.parametrize("text", ["x" * 65_536, "\0", "\udcff"])
+@pytest.mark.parametrize("text", ["x" * 65_536, "\0", "\udcff", "a\nb", "a\x9f"])
 def test_what_mqtt_cannot_carry_is_said_before_anything_is_dialled(name: str, text: str) -> None:
     assert name in complaint(**{name: text})
 
@@ -252,3 +262,13 @@ def test_certificates_that_cannot_be_used_are_one_line(
         with pytest.raises(RefusedError, match="cannot be used for TLS") as caught:
             transport.open()
         assert "\n" not in str(caught.value)
+
+
+def test_of_the_files_for_tls_the_one_that_cannot_be_used_is_named(rig: MqttRig) -> None:
+    ours = {"tls_cert_file": "ours.pem", "tls_key_file": "ours.key"}
+    transport = rig.transport("mqtts://127.0.0.1:1", tls_ca_file="absent.pem", **ours)
+    with pytest.raises(RefusedError, match=r"^absent\.pem cannot be used"):
+        transport.open()
+    transport = rig.transport("mqtts://127.0.0.1:1", **ours)
+    with pytest.raises(RefusedError, match=r"^ours\.pem, ours\.key cannot be used"):
+        transport.open()

@@ -5,6 +5,7 @@ import uuid
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 from urllib.parse import SplitResult, urlsplit
 
 from attrs import field, frozen
@@ -86,12 +87,15 @@ class Address:
         Raises:
             ParameterError: It is none, or says more than an address.
         """
+        # What these errors say may be a part of a password.
         try:
             url = urlsplit(text)
+        except ValueError:
+            url = urlsplit("")
+        try:
             port = url.port
         except ValueError:
-            # What it says may be a part of a password.
-            url, port = urlsplit(""), None
+            port = 0
         if complaint := _complaint(text, url, port):
             raise ParameterError(f"parameter server_address {complaint}")
         if url.scheme == "unix":
@@ -212,11 +216,16 @@ def _is_text(text: str) -> bool:
 def _check_text(name: str, text: str) -> None:
     if not _is_text(text):
         raise ParameterError(f"parameter {name} takes at most {_MOST_BYTES} bytes of UTF-8, no NUL")
+    # Brokers may hang up on them, without a word.
+    if any(category(character) == "Cc" for character in text):
+        raise ParameterError(f"parameter {name} takes no control characters, such as line ends")
 
 
 def _check_topic(name: str, topic: str, *, may_be_filter: bool) -> None:
     if not topic:
         raise ParameterError(f"parameter {name} takes a topic")
+    if not may_be_filter and topic.startswith("$"):
+        raise ParameterError(f"parameter {name} takes no $ in front: that is for the broker's own")
     levels = topic.split("/")
     wild = [level for level in levels if "+" in level or "#" in level]
     if wild and not may_be_filter:

@@ -339,15 +339,15 @@ def _limits() -> Properties:
 def _tls(config: MqttConfig) -> ssl.SSLContext | None:
     if not config.address.is_secure:
         return None
+    named = config.ca_file
     try:
         context = ssl.create_default_context(cafile=config.ca_file or None)
         if config.cert_file:
+            named = ", ".join(filter(None, (config.cert_file, config.key_file)))
             # A password, for OpenSSL asks the terminal if there is none.
             context.load_cert_chain(config.cert_file, config.key_file or None, password="")
     except (OSError, ValueError) as error:
-        named = config.ca_file, config.cert_file, config.key_file
-        files = ", ".join(filter(None, named))
-        raise RefusedError(f"{files} cannot be used for TLS: {_one_line(error)}") from error
+        raise RefusedError(f"{named} cannot be used for TLS: {_one_line(error)}") from error
     return context
 
 
