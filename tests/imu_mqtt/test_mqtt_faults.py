@@ -158,13 +158,26 @@ def test_m3_a_subscription_that_is_refused_is_named(rig: MqttRig, broker: Script
         transport.close()
 
 
+def test_m3_a_broker_that_hangs_up_on_the_subscription_is_named(
+    rig: MqttRig, broker: ScriptedBroker
+) -> None:
+    def hangs_up(peer: Peer) -> None:
+        peer.accept()
+        peer.receive()
+
+    broker.behaviour = hangs_up
+    transport = rig.started(broker.address)
+    named = "at the subscription to esp32/imu"
+    wait_until(lambda: named in transport.health.last_error, "the reason")
+
+
 def test_m3_two_clients_with_one_id_are_named_and_do_not_fight_on_for_ever(
     rig: MqttRig, broker: ScriptedBroker, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level("INFO", logger="rosbase")
     broker.behaviour = ends_after_connack
     transport = rig.started(broker.address, client_id="imu")
-    question = "is there another client 'imu'?"
+    question = "is there another client 'imu', or a broker that restarts?"
     wait_until(lambda: question in transport.health.last_error, "the named fault")
     dials = broker.dials
     assert elapsed(lambda: wait_until(lambda: broker.dials > dials, "another try")) > 0.5

@@ -131,7 +131,12 @@ class Connection:
         _, mid = self._client.subscribe(topic, self._config.qos)
         if mid is None:
             raise TransportError(self._end or "the connection was lost")
-        if not self._await(lambda: mid in self._answers):
+        try:
+            is_answered = self._await(lambda: mid in self._answers)
+        except TransportError as error:
+            # A broker that does not like the topic may just hang up.
+            raise TransportError(f"{error}, at the subscription to {topic}") from error
+        if not is_answered:
             raise TransportError(f"no answer to the subscription to {topic}")
         for code in self._answers.pop(mid):
             if code.is_failure:

@@ -202,7 +202,8 @@ class NetworkThread:
         self._early_ends = self._early_ends + (not self._is_proved) if self.is_connected else 0
         if self._early_ends >= _MANY_ENDS:
             me = self._config.client_id
-            self._say(f"{error}; again and again: is there another client {me!r}?")
+            who = f"another client {me!r}, or a broker that restarts"
+            self._say(f"{error}; again and again: is there {who}?")
             return self._slower.next_s()
         self._say(str(error))
         return self._backoff.next_s()
