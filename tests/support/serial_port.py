@@ -1,8 +1,11 @@
 """A serial port that can be plugged in and unplugged, under one name."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from imu_serial.simulator import PtyDevice
+from rosbase.errors import TransportError
+from rosbase.parameters import ParameterValue
 
 
 class PluggablePort:
@@ -11,6 +14,10 @@ class PluggablePort:
     def __init__(self, folder: Path) -> None:
         self.path = folder / "usb-IMU_0001-if00-port0"
         self._device: PtyDevice | None = None
+
+    @property
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        return {"device_path": str(self.path)}
 
     def plug(self) -> None:
         self._device = PtyDevice()
@@ -23,9 +30,28 @@ class PluggablePort:
             self._device = None
 
     def write(self, data: bytes) -> None:
-        assert self._device is not None, "the port is not plugged in"
+        if self._device is None:
+            raise TransportError("the port is not plugged in")
         self._device.write(data)
 
     @property
     def real_path(self) -> str:
         return str(self.path.resolve())
+
+
+class SerialPeer(PluggablePort):
+    """Plays the device for the contract."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.plug()
+
+    replug = PluggablePort.plug
+    close = PluggablePort.unplug
+    send_raw = PluggablePort.write
+
+    def send(self, payload: bytes) -> None:
+        self.write(self.encode(payload))
+
+    def encode(self, payload: bytes) -> bytes:
+        return payload + b"\r\n"

@@ -10,7 +10,7 @@ __all__ = ["Device", "OpenDevice"]
 
 
 class Device(Protocol):
-    """A device, or a link to one, that is open. The reader thread alone calls it."""
+    """A device, or a link to one, that is open. One thread at a time calls it."""
 
     @property
     def name(self) -> str:

@@ -54,14 +54,17 @@ class ReaderThread:
         self._thread = threading.Thread(target=self._run, name="rosbase-reader", daemon=True)
 
     def start(self) -> None:
-        """Begins.
+        """Begins, from what arrives from now on.
 
         Raises:
             RuntimeError: The system has no more threads.
         """
         try:
+            # Not on the thread, which would discard what comes after `start` has returned.
+            if self.device is not None:
+                self._discard_input(self.device)
             self._thread.start()
-        except RuntimeError:
+        except BaseException:
             self._wakeup.close()
             raise
 
@@ -119,7 +122,6 @@ class ReaderThread:
         readable.register(self._wakeup, select.POLLIN)
         monotonic_ns = self._context.clock.monotonic_ns
         try:
-            device.discard_input()
             while not self._stopping:
                 asked_ns = monotonic_ns()
                 ready = readable.poll()
@@ -158,16 +160,24 @@ class ReaderThread:
         logger = self._context.logger
         while not self._sleep(self._backoff.next_s()):
             try:
-                device = self._open_device()
+                self.device = device = self._open_device()
             except TransportError as error:
                 self._say(error)
             else:
+                self._discard_input(device)
                 self._tally.reconnects += self._has_lost_device
                 self._tally.last_error = ""
-                self.device = device
                 logger.info(f"{device.name} is {'back' if self._has_lost_device else 'there'}")
                 return device
         return None
+
+    @staticmethod
+    def _discard_input(device: Device) -> None:
+        try:
+            device.discard_input()
+        except TransportError:
+            # It has been lost, and the thread will find out.
+            pass
 
     def _sleep(self, seconds: float) -> bool:
         """Waits; true at once if the thread is to end."""

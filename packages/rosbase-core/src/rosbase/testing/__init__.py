@@ -1,7 +1,48 @@
-"""For the tests of programs and plugins. Nothing of rosbase itself imports it."""
+"""For the tests of programs and plugins. Nothing of rosbase itself imports it.
 
-from rosbase.testing.backend import virtual_backend
-from rosbase.testing.clock import ManualClock
-from rosbase.testing.promise import BrokenPromiseError, Promise
+The contracts need pytest and hypothesis (`pip install rosbase-core[testing]`); the rest does not.
+So each name is imported when it is first asked for. The strategies for hypothesis are in
+`rosbase.testing.strategies`.
+"""
 
-__all__ = ["BrokenPromiseError", "ManualClock", "Promise", "virtual_backend"]
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rosbase.testing.backend import virtual_backend
+    from rosbase.testing.clock import ManualClock
+    from rosbase.testing.promise import BrokenPromiseError, Promise
+    from rosbase.testing.recording import Received, RecordingSubscriber
+    from rosbase.testing.transport_capabilities import TransportCapabilities
+    from rosbase.testing.transport_contract import TransportContract
+
+__all__ = [
+    "BrokenPromiseError",
+    "ManualClock",
+    "Promise",
+    "Received",
+    "RecordingSubscriber",
+    "TransportCapabilities",
+    "TransportContract",
+    "virtual_backend",
+]
+
+_HOMES = {
+    "BrokenPromiseError": "promise",
+    "ManualClock": "clock",
+    "Promise": "promise",
+    "Received": "recording",
+    "RecordingSubscriber": "recording",
+    "TransportCapabilities": "transport_capabilities",
+    "TransportContract": "transport_contract",
+    "virtual_backend": "backend",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Imports each name when it is first asked for."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

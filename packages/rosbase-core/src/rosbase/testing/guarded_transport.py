@@ -1,0 +1,127 @@
+"""A transport whose calls end, or break a promise: the kit never hangs with what it tries."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from attrs import frozen
+
+from rosbase.errors import TransportError
+from rosbase.testing.caller import Caller, StillRunningError
+from rosbase.testing.promise import Promise
+from rosbase.testing.transport_promises import CALLS
+from rosbase.transport import OnFrame, Transport, TransportHealth, TransportState
+
+__all__ = ["GuardedTransport", "Limits"]
+
+
+@frozen
+class Limits:
+    """How long calls may take, in seconds."""
+
+    call_s: float
+    """`open` and `start`."""
+    end_s: float
+    """`stop`, `close`, and each look at `health` and `is_open`."""
+
+
+class GuardedTransport:
+    """Makes the calls of a transport, each with a limit, on one thread; looks at it on another.
+
+    What a call raises, and that it does not return, is a broken promise.
+    """
+
+    def __init__(self, transport: Transport, promise: Promise, limits: Limits) -> None:
+        """Takes over the transport that an author has made."""
+        self.made = transport
+        """What the author has made."""
+        self._promise = promise
+        self._limits = limits
+        self._caller, self._looker = Caller(), Caller()
+
+    def open(self) -> None:
+        """Opens it."""
+        self._call("open", self.made.open, self._limits.call_s)
+
+    def start(self, on_frame: OnFrame) -> None:
+        """Starts it."""
+        self._call("start", lambda: self.made.start(on_frame), self._limits.call_s)
+
+    def stop(self, limit_s: float | None = None) -> None:
+        """Stops it, within another limit if one is given."""
+        self._call("stop", self.made.stop, limit_s or self._limits.end_s)
+
+    def close(self, limit_s: float | None = None) -> None:
+        """Closes it, within another limit if one is given."""
+        self._call("close", self.made.close, limit_s or self._limits.end_s)
+
+    def refusal(self, name: str, *arguments: object) -> TransportError | None:
+        """The error with which `open` or `start` refuses; None if it does not."""
+        call = getattr(self.made, name)
+        try:
+            self._run(name, lambda: call(*arguments), self._limits.call_s)
+        except TransportError as error:
+            return error
+        return None
+
+    @property
+    def is_open(self) -> bool:
+        """As the transport says."""
+        return bool(self._look("is_open", lambda: self.made.is_open))
+
+    @property
+    def health(self) -> TransportHealth:
+        """As the transport says."""
+        health = self._look("health", lambda: self.made.health)
+        CALLS.require(
+            isinstance(health, TransportHealth), f"health gave {health!r}, not a TransportHealth"
+        )
+        return health  # type: ignore[no-any-return]
+
+    @property
+    def state(self) -> TransportState:
+        """That of its health."""
+        return self.health.state
+
+    @property
+    def threads(self) -> set[threading.Thread]:
+        """Those from which it is called."""
+        return self._caller.threads | self._looker.threads
+
+    def release(self) -> None:
+        """Closes it at the end of a check, whatever that leads to, and ends the threads."""
+        try:
+            self._caller.run(self.made.close, self._limits.call_s)
+        except Exception:
+            # Some check asks for a close that works; this one has had its say.
+            pass
+        self._caller.close()
+        self._looker.close()
+
+    def _call(self, name: str, call: Callable[[], object], limit_s: float) -> None:
+        try:
+            self._run(name, call, limit_s)
+        except TransportError as error:
+            raise self._promise.broken(f"{name}() raised {error!r}") from error
+
+    def _run(self, name: str, call: Callable[[], object], limit_s: float) -> Any:
+        try:
+            return self._caller.run(call, limit_s)
+        except StillRunningError as error:
+            raise self._promise.broken(f"{name}() {error}") from None
+        except TransportError:
+            raise
+        except NotImplementedError as error:
+            raise CALLS.broken(f"{name} is not written yet") from error
+        except BaseException as error:
+            raise self._promise.broken(f"{name}() raised {error!r}") from error
+
+    def _look(self, name: str, look: Callable[[], Any]) -> Any:
+        try:
+            return self._looker.run(look, self._limits.end_s)
+        except StillRunningError as error:
+            raise self._promise.broken(f"{name} {error}") from None
+        except NotImplementedError as error:
+            raise CALLS.broken(f"{name} is not written yet") from error
+        except Exception as error:
+            raise self._promise.broken(f"{name} raised {error!r}") from error

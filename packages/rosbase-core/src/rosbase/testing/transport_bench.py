@@ -1,0 +1,246 @@
+"""What a check of a transport works with: peers, transports, and a limit for everything."""
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import cast
+
+from attrs import frozen
+
+from rosbase.clock import Clock, SystemClock
+from rosbase.logger import RosbaseLogger
+from rosbase.parameters import ParameterValue
+from rosbase.testing.guarded_peer import GuardedPeer
+from rosbase.testing.guarded_transport import GuardedTransport, Limits
+from rosbase.testing.promise import BrokenPromiseError, Promise
+from rosbase.testing.recorded_log import RecordedLog
+from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_capabilities import ABILITIES, FullPeer
+from rosbase.testing.transport_promises import FACTORY, PEER, PEER_ABILITIES
+from rosbase.transport import SimulatedDevice, Transport, TransportContext, TransportState
+
+__all__ = ["Bench"]
+
+_LOG = "transport_contract"
+_LOOK_S = 0.002
+_PROBE_S = 0.05
+
+
+@frozen
+class _Parameters:
+    """As much of a peer as a factory looks at."""
+
+    parameters: Mapping[str, ParameterValue]
+    peer: SimulatedDevice
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.peer, name)
+
+
+class Bench:
+    """One check's: makes peers and transports, waits, and clears away at the end."""
+
+    def __init__(self, author: TransportAuthor, promise: Promise) -> None:
+        """Has made nothing yet."""
+        self.author = author
+        self.promise = promise
+        self.probes = self.payloads(2, first=9_998)
+        """What is sent to see whether data flows."""
+        self.log = RecordedLog(_LOG)
+        self.clock = SystemClock()
+        self._peers: list[GuardedPeer] = []
+        self._transports: list[GuardedTransport] = []
+
+    def require(self, holds: object, seen: str) -> None:
+        """Fails with the promise of the check, unless it holds."""
+        self.promise.require(holds, seen)
+
+    def peer(self) -> GuardedPeer:
+        """A new peer, with the abilities that are declared."""
+        peer = _made(self.author.make_peer, PEER, "make_peer")
+        missing = [name for name in ("parameters", "send", "close") if not hasattr(peer, name)]
+        PEER.require(not missing, f"{type(peer).__name__} has no {' and no '.join(missing)}")
+        guarded = GuardedPeer(cast(FullPeer, peer), self.promise, self.author.patience_s)
+        self._peers.append(guarded)
+        self._check_abilities(guarded)
+        return guarded
+
+    def transport(
+        self, peer: GuardedPeer, clock: Clock | None = None, *, waits: bool = False
+    ) -> GuardedTransport:
+        """A new transport for the peer; one that waits for it, if it is to."""
+        more = self.author.capabilities.waits_with if waits else {}
+        view = _Parameters({**peer.parameters, **more}, peer.made)
+        context = TransportContext(clock or self.clock, RosbaseLogger(_LOG))
+        made = _made(
+            lambda: self.author.make_transport(cast(SimulatedDevice, view), context),
+            FACTORY,
+            "make_transport",
+        )
+        if not isinstance(made, Transport):
+            raise FACTORY.broken(f"make_transport gave {made!r}, which is no Transport")
+        limits = Limits(self.author.call_limit_s, self.author.end_limit_s)
+        self._transports.append(GuardedTransport(made, self.promise, limits))
+        return self._transports[-1]
+
+    def reading(
+        self, clock: Clock | None = None
+    ) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
+        """A peer, a transport that has been started on it, and who gets the frames."""
+        peer = self.peer()
+        transport = self.transport(peer, clock)
+        subscriber = RecordingSubscriber(clock)
+        transport.open()
+        transport.start(subscriber)
+        return peer, transport, subscriber
+
+    def prove(self, peer: GuardedPeer, transport: GuardedTransport) -> None:
+        """Starts the transport, and sees frames come through."""
+        subscriber = RecordingSubscriber()
+        transport.start(subscriber)
+        peer.send(*self.payloads(2))
+        self.wait_for(subscriber, 2)
+
+    def take_away(self, peer: GuardedPeer) -> None:
+        """Leaves the transport without a device."""
+        if self.author.capabilities.can_unplug:
+            peer.unplug()
+        else:
+            peer.made.close()
+
+    @contextmanager
+    def hanging(self, peer: GuardedPeer, transport: GuardedTransport) -> Iterator[None]:
+        """Within it, an `on_frame` of the transport does not return."""
+        entered, leave, left = threading.Event(), threading.Event(), threading.Event()
+
+        def hang(frame: bytes, stamp_ns: int) -> None:
+            entered.set()
+            leave.wait()
+            left.set()
+
+        transport.start(hang)
+        peer.send(*self.payloads(3))
+        try:
+            arrived = entered.wait(self.author.patience_s)
+            self.require(arrived, "no frame arrived")
+            yield
+        finally:
+            leave.set()
+            if entered.is_set():
+                left.wait(self.author.patience_s)
+
+    def payloads(self, count: int, first: int = 0) -> list[bytes]:
+        """So many usual payloads, each another one."""
+        return [self.author.payload(number) for number in range(first, first + count)]
+
+    def wait_for(self, subscriber: RecordingSubscriber, count: int) -> None:
+        """Waits for so many frames in all."""
+        if not subscriber.wait_for(count, self.author.patience_s):
+            came = len(subscriber.frames)
+            raise self.promise.broken(
+                f"{came} of {count} frames had arrived after {self.author.patience_s:g} s"
+            )
+
+    def wait_for_bytes(self, transport: GuardedTransport, count: int) -> None:
+        """Waits until the transport has read so many bytes in all."""
+        self.wait_until(
+            lambda: transport.health.received_bytes >= count,
+            f"health.received_bytes to reach {count}",
+        )
+
+    def require_frames(self, subscriber: RecordingSubscriber, sent: list[bytes]) -> None:
+        """Fails, unless exactly these have arrived."""
+        came = subscriber.frames
+        if came != sent:
+            at = next(
+                (n for n, pair in enumerate(zip(came, sent, strict=False)) if pair[0] != pair[1]),
+                min(len(came), len(sent)),
+            )
+            raise self.promise.broken(
+                f"frame {at} of {len(sent)} was {_shown(came, at)} instead of {_shown(sent, at)}"
+            )
+
+    def in_background(self, call: Callable[[], object]) -> threading.Thread:
+        """Makes a call on another thread, which is ended at the end of the check."""
+        thread = threading.Thread(target=call, name="rosbase-kit-background", daemon=True)
+        thread.start()
+        return thread
+
+    def wait_until(
+        self, condition: Callable[[], object], what: str, limit_s: float | None = None
+    ) -> None:
+        """Waits until the condition holds."""
+        limit_s = limit_s or self.author.patience_s
+        deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
+        while not condition():
+            in_time = self.clock.monotonic_ns() < deadline_ns
+            self.require(in_time, f"waited {limit_s:g} s in vain: {what}")
+            self.clock.sleep(_LOOK_S)
+
+    def wait_for_loss(self, transport: GuardedTransport) -> None:
+        """Waits until the transport has noticed that its device is gone."""
+        self.wait_until(
+            lambda: transport.state is TransportState.RECONNECTING,
+            "health.state to be RECONNECTING once the device is gone",
+        )
+
+    def wait_for_return(self, peer: GuardedPeer, subscriber: RecordingSubscriber) -> list[bytes]:
+        """Sends until data flows again, and all that was sent has arrived; gives what arrived."""
+        probe, last = self.probes
+        limit_s = self.author.reconnect_limit_s
+        deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
+        while not subscriber.wait_for_frame(probe, _PROBE_S):
+            in_time = self.clock.monotonic_ns() < deadline_ns
+            self.require(in_time, f"no data {limit_s:g} s after the device was back")
+            peer.send(probe)
+        peer.send(last)
+        arrived = subscriber.wait_for_frame(last, self.author.patience_s)
+        self.require(arrived, "after the first frame since the device was back no other arrived")
+        came = subscriber.frames
+        subscriber.clear()
+        return came
+
+    def close(self) -> None:
+        """Ends what the check has made."""
+        # Peers first: it ends whoever waits for them to take something.
+        for peer in self._peers:
+            try:
+                peer.close()
+            except BrokenPromiseError:
+                # The check has had its say.
+                pass
+        for transport in self._transports:
+            transport.release()
+        self.log.close()
+
+    def _check_abilities(self, peer: GuardedPeer) -> None:
+        kind = type(peer.made).__name__
+        for capability, abilities in ABILITIES.items():
+            for ability in abilities if getattr(self.author.capabilities, capability) else ():
+                PEER_ABILITIES.require(
+                    callable(getattr(peer.made, ability, None)),
+                    f"{capability} is declared, and {kind} has no {ability}(): "
+                    f"write it, or do not declare {capability}",
+                )
+
+
+def _shown(frames: list[bytes], at: int) -> str:
+    if at >= len(frames):
+        return "nothing"
+    frame = frames[at]
+    return repr(frame) if len(frame) <= 80 else f"{frame[:40]!r}... ({len(frame)} bytes)"
+
+
+def _made(make: Callable[[], object], promise: Promise, name: str) -> object:
+    """What the author makes, or the promise that it is made."""
+    try:
+        made = make()
+    except BrokenPromiseError:
+        raise
+    except NotImplementedError as error:
+        raise promise.broken(f"{name} is not written yet") from error
+    except Exception as error:
+        raise promise.broken(f"{name} raised {error!r}") from error
+    promise.require(made is not None, f"{name} gave None: does it return what it makes?")
+    return made

@@ -1,0 +1,218 @@
+"""open, start, stop and close: any number of times, in any order, from anywhere."""
+
+import random
+import threading
+from collections.abc import Callable
+
+import pytest
+
+from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.resources import descriptors, threads
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_bench import Bench
+from rosbase.testing.transport_check import check
+from rosbase.transport import Transport, TransportState
+
+__all__ = ["CallChecks"]
+
+_CALLERS = 4
+_CALLS = 25
+
+
+class CallChecks(TransportAuthor):
+    """What is promised about the four calls."""
+
+    @check()
+    def test_making_a_transport_touches_nothing(self, bench: Bench) -> None:
+        """Making a transport opens no device and starts no thread: it is closed."""
+        peer = bench.peer()
+        bench.transport(peer)
+        before, open_before = threads(), descriptors()
+        transport = bench.transport(peer)
+        started = threads() - before
+        bench.require(not started, f"started {', '.join(t.name for t in started)}")
+        opened = descriptors() - open_before
+        bench.require(opened <= 0, f"opened {opened} descriptors")
+        bench.require(not transport.is_open, "is_open was true")
+        state = transport.state
+        bench.require(state is TransportState.CLOSED, f"health.state was {state.name}")
+
+    @check()
+    def test_the_first_parameter_says_which_device(self, bench: Bench) -> None:
+        """The first parameter of the plugin says which device it is; peers say which they are."""
+        if not self.transport:
+            pytest.skip(f"{type(self).__name__}.transport names no installed transport")
+        specs = self.plugin().parameters
+        bench.require(specs, "the TransportPlugin has no parameters")
+        names = [spec.name for spec in specs]
+        first, second = dict(bench.peer().parameters), dict(bench.peer().parameters)
+        strange = set(first) - set(names)
+        bench.require(
+            not strange, f"the peer's {', '.join(strange)} are no parameters of the plugin"
+        )
+        bench.require(names[0] in first, f"the first is {names[0]}, which a peer does not give")
+        bench.require(
+            first[names[0]] != second[names[0]],
+            f"two devices have the same {names[0]}: {first[names[0]]!r}",
+        )
+
+    @check()
+    def test_each_call_may_be_made_twice(self, bench: Bench) -> None:
+        """Each of the four calls may be made twice; the second does nothing."""
+        peer = bench.peer()
+        transport, subscriber = bench.transport(peer), RecordingSubscriber()
+        transport.open()
+        transport.open()
+        transport.start(subscriber)
+        transport.start(subscriber)
+        sent = bench.payloads(20)
+        peer.send(*sent)
+        bench.wait_for(subscriber, len(sent))
+        bench.require(subscriber.frames == sent, "after two starts frames came twice or disordered")
+        readers = {received.thread for received in subscriber.received}
+        bench.require(len(readers) == 1, f"after two starts {len(readers)} threads hand over")
+        transport.stop()
+        transport.stop()
+        transport.close()
+        transport.close()
+
+    @check()
+    def test_the_calls_come_in_any_order(self, bench: Bench) -> None:
+        """The four calls may come in any order: what is not running is stopped by doing nothing."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        transport.stop()
+        transport.close()
+        transport.stop()
+        transport.open()
+        transport.close()
+        transport.open()
+        transport.stop()
+        bench.prove(peer, transport)
+        transport.close()
+        transport.stop()
+        bench.require(not transport.is_open, "is_open was true after close and stop")
+
+    @check()
+    def test_start_opens_what_is_not_open(self, bench: Bench) -> None:
+        """start opens a transport that is not open."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        bench.prove(peer, transport)
+        bench.require(transport.is_open, "is_open was false after start")
+
+    @check()
+    def test_it_starts_again_after_stop_and_after_close(self, bench: Bench) -> None:
+        """After stop, and after close, start begins again."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        for ending in (transport.stop, transport.close, transport.stop):
+            bench.prove(peer, transport)
+            ending()
+        bench.prove(peer, transport)
+
+    @check()
+    def test_the_calls_come_from_any_thread(self, bench: Bench) -> None:
+        """The four calls may come from several threads at once."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        callers = [_RandomCaller(transport.made, seed) for seed in range(_CALLERS)]
+        for caller in callers:
+            caller.thread.start()
+        for caller in callers:
+            caller.thread.join(self.call_limit_s * _CALLERS)
+        for caller in callers:
+            bench.require(not caller.failure, caller.failure)
+            bench.require(not caller.thread.is_alive(), "the calls of four threads do not end")
+        transport.close()
+        state = transport.state
+        bench.require(state is TransportState.CLOSED, f"health.state was {state.name} after close")
+        bench.prove(peer, transport)
+
+    @check()
+    def test_the_calls_come_from_within_on_frame(self, bench: Bench) -> None:
+        """on_frame may make the four calls; after stop or close it is not called again."""
+        for ending in ("stop", "close"):
+            peer = bench.peer()
+            transport = bench.transport(peer)
+            visitor = _Visitor(transport.made, ending)
+            transport.start(visitor)
+            peer.send(*bench.payloads(3))
+            in_time = visitor.has_left.wait(self.call_limit_s)
+            bench.require(in_time, f"the calls from within on_frame took {self.call_limit_s:g} s")
+            bench.require(not visitor.failure, visitor.failure)
+            if ending == "close":
+                bench.wait_until(
+                    lambda made=transport: made.state is TransportState.CLOSED,  # type: ignore[misc]
+                    "health.state to be CLOSED after a close from within on_frame",
+                )
+            bench.prove(peer, transport)
+            seen = f"on_frame was called {visitor.calls} times although it called {ending}"
+            bench.require(visitor.calls == 1, seen)
+
+    @check()
+    def test_nothing_is_handed_over_after_the_end(self, bench: Bench) -> None:
+        """Once stop or close has returned, on_frame is not called again."""
+        for ending in ("stop", "close"):
+            peer = bench.peer()
+            transport = bench.transport(peer)
+            slow = RecordingSubscriber(then=lambda frame, stamp_ns: bench.clock.sleep(0.002))
+            transport.start(slow)
+            peer.send(*bench.payloads(30))
+            bench.wait_for(slow, 1)
+            getattr(transport, ending)()
+            handed_over = len(slow.frames)
+            peer.send(*bench.payloads(5))
+            bench.prove(peer, transport)
+            more = len(slow.frames) - handed_over
+            bench.require(not more, f"{more} frames came after {ending} had returned")
+
+
+class _RandomCaller:
+    """Makes calls at random, and remembers the first that raises."""
+
+    def __init__(self, transport: Transport, seed: int) -> None:
+        self.failure = ""
+        self._transport = transport
+        self._choose = random.Random(seed)
+        self.thread = threading.Thread(target=self._run, name="rosbase-kit-random", daemon=True)
+
+    def _run(self) -> None:
+        transport = self._transport
+        subscriber = RecordingSubscriber()
+        calls: dict[str, Callable[[], object]] = {
+            "open": transport.open,
+            "start": lambda: transport.start(subscriber),
+            "stop": transport.stop,
+            "close": transport.close,
+            "health": lambda: transport.health,
+        }
+        for _ in range(_CALLS):
+            name = self._choose.choice(sorted(calls))
+            try:
+                calls[name]()
+            except BaseException as error:
+                self.failure = f"{name} raised {error!r} while other threads called"
+                return
+
+
+class _Visitor:
+    """An `on_frame` that makes the calls."""
+
+    def __init__(self, transport: Transport, ending: str) -> None:
+        self.calls = 0
+        self.failure = ""
+        self.has_left = threading.Event()
+        self._transport = transport
+        self._ending = ending
+
+    def __call__(self, frame: bytes, stamp_ns: int) -> None:
+        self.calls += 1
+        transport = self._transport
+        try:
+            transport.open()
+            getattr(transport, self._ending)()
+            transport.start(self)
+        except BaseException as error:
+            self.failure = f"from within on_frame a call raised {error!r}"
+        self.has_left.set()

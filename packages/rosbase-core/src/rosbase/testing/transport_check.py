@@ -1,0 +1,47 @@
+"""How a check of the transport contract is written: a method that is given a bench."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import pytest
+
+from rosbase.testing.promised import promise_of
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_bench import Bench
+from rosbase.testing.transport_promises import PAGE
+
+__all__ = ["check"]
+
+AuthorT = TypeVar("AuthorT", bound=TransportAuthor)
+
+
+def check(
+    *needs: str,
+) -> Callable[[Callable[[AuthorT, Bench], None]], Callable[[AuthorT], None]]:
+    """Makes a test of a method; its name and docstring are the promise.
+
+    Args:
+        needs: The capabilities without which it is skipped.
+    """
+
+    def decorate(method: Callable[[AuthorT, Bench], None]) -> Callable[[AuthorT], None]:
+        promise = promise_of(method, PAGE)
+
+        def run(self: AuthorT) -> None:
+            for need in needs:
+                if not getattr(self.capabilities, need):
+                    pytest.skip(f"TransportCapabilities.{need} is not declared")
+            bench = Bench(self, promise)
+            try:
+                method(self, bench)
+            finally:
+                bench.close()
+
+        run.__name__, run.__qualname__ = method.__name__, method.__qualname__
+        run.__doc__, run.__module__ = method.__doc__, method.__module__
+        as_any: Any = run
+        as_any.promise = promise
+        as_any.needs = needs
+        return run
+
+    return decorate

@@ -1,0 +1,148 @@
+"""The thread that hands over, and the stamps that it gives."""
+
+from itertools import pairwise
+
+from rosbase.testing.clocks import FailingClock, ShiftedClock
+from rosbase.testing.guarded_peer import GuardedPeer
+from rosbase.testing.guarded_transport import GuardedTransport
+from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_bench import Bench
+from rosbase.testing.transport_check import check
+from rosbase.transport import TransportState
+
+__all__ = ["DeliveryChecks"]
+
+_MANY = 100
+
+
+class DeliveryChecks(TransportAuthor):
+    """What is promised about how frames are handed over."""
+
+    @check()
+    def test_on_frame_is_called_on_one_thread_of_its_own(self, bench: Bench) -> None:
+        """From start to stop on_frame is called on one thread, which nobody calls from."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        subscriber = RecordingSubscriber()
+        transport.start(subscriber)
+        peer.send(*bench.payloads(20))
+        bench.wait_for(subscriber, 20)
+        handing_over = {received.thread for received in subscriber.received}
+        bench.require(len(handing_over) == 1, f"{len(handing_over)} threads called on_frame")
+        names = ", ".join(thread.name for thread in handing_over)
+        strange = handing_over & (transport.threads | peer.threads)
+        bench.require(not strange, f"on_frame was called on the thread of a caller, {names}")
+
+    @check()
+    def test_what_on_frame_raises_does_not_end_the_stream(self, bench: Bench) -> None:
+        """Whatever on_frame raises, SystemExit too, the next frames are handed over."""
+        for error in (ValueError("no good"), SystemExit(3)):
+            peer, _, subscriber = _raising(bench, error)
+            sent = bench.payloads(20)
+            peer.send(*sent)
+            if not subscriber.wait_for(len(sent), self.patience_s):
+                came = len(subscriber.frames)
+                raise bench.promise.broken(f"{came} of {len(sent)} frames came after {error!r}")
+
+    @check()
+    def test_what_on_frame_raises_is_logged(self, bench: Bench) -> None:
+        """What on_frame raises is logged as an error."""
+        for error in (ValueError("no good"), SystemExit(3)):
+            peer, transport, subscriber = _raising(bench, error)
+            peer.send(*bench.payloads(1))
+            bench.wait_for(subscriber, 1)
+            # What has been handed over has been logged once the thread has ended.
+            transport.stop()
+            bench.require(bench.log.tells_of(error), f"{error!r} was not logged as an error")
+
+    @check()
+    def test_a_reader_that_dies_is_noticed(self, bench: Bench) -> None:
+        """If the thread that reads fails, health says so, and start begins again."""
+        clock = FailingClock()
+        peer, transport, subscriber = bench.reading(clock)
+        peer.send(*bench.payloads(1))
+        bench.wait_for(subscriber, 1)
+        clock.failure = MemoryError("the clock fails, as the kit has it do")
+        peer.send(*bench.payloads(1, first=1))
+        bench.wait_until(
+            lambda: len(subscriber.frames) > 1 or transport.state is TransportState.CLOSED,
+            "health.state to be CLOSED after the thread has failed",
+        )
+        if len(subscriber.frames) == 1:
+            bench.wait_until(lambda: not transport.is_open, "the device to be given back")
+            bench.require(transport.health.last_error, "health.last_error was empty")
+            bench.require(bench.log.tells_of(clock.failure), "the failure was not logged")
+        clock.failure = None
+        bench.prove(peer, transport)
+
+    @check()
+    def test_stamps_lie_between_sending_and_arrival(self, bench: Bench) -> None:
+        """A frame is stamped when its first bytes were read: not before it was sent, nor later."""
+        peer, _, subscriber = bench.reading()
+        for payload in bench.payloads(20):
+            subscriber.clear()
+            sent_ns = bench.clock.now_ns()
+            peer.send(payload)
+            bench.wait_for(subscriber, 1)
+            (received,) = subscriber.received
+            early_ns = sent_ns - received.stamp_ns
+            bench.require(early_ns <= 0, f"stamped {early_ns / 1e6:.3f} ms before it was sent")
+            late_ns = received.stamp_ns - received.arrived_ns
+            bench.require(late_ns <= 0, f"stamped {late_ns / 1e6:.3f} ms after it was handed over")
+
+    @check("is_stream")
+    def test_the_stamp_is_that_of_the_first_bytes(self, bench: Bench) -> None:
+        """A frame that arrives in two halves has the stamp of the first."""
+        peer, transport, subscriber = bench.reading()
+        (payload,) = bench.payloads(1)
+        encoded = peer.encode(payload)
+        half = len(encoded) // 2
+        peer.send_raw(encoded[:half])
+        bench.wait_for_bytes(transport, half)
+        between_ns = bench.clock.now_ns()
+        peer.send_raw(encoded[half:])
+        bench.wait_for(subscriber, 1)
+        late_ns = subscriber.received[0].stamp_ns - between_ns
+        bench.require(late_ns <= 0, f"stamped {late_ns / 1e6:.3f} ms after the first half was read")
+
+    @check()
+    def test_stamps_never_go_back(self, bench: Bench) -> None:
+        """No frame is stamped earlier than the one before it."""
+        peer, _, subscriber = bench.reading()
+        for first in range(0, _MANY, 10):
+            peer.send(*bench.payloads(10, first))
+            bench.wait_for(subscriber, first + 10)
+        stamps = [received.stamp_ns for received in subscriber.received]
+        back_ns = max(before - after for before, after in pairwise(stamps))
+        bench.require(back_ns <= 0, f"a stamp went back by {back_ns / 1e6:.3f} ms")
+
+    @check()
+    def test_time_is_that_of_the_given_clock(self, bench: Bench) -> None:
+        """Stamps and health.last_data_ns are the time of the context's clock."""
+        clock = ShiftedClock()
+        peer, transport, subscriber = bench.reading(clock)
+        sent_ns, sent_at_ns = clock.now_ns(), clock.monotonic_ns()
+        peer.send(*bench.payloads(1))
+        bench.wait_for(subscriber, 1)
+        stamp_ns, last_ns = subscriber.received[0].stamp_ns, transport.health.last_data_ns
+        off_s = (stamp_ns - sent_ns) / 1e9
+        is_now = sent_ns <= stamp_ns <= clock.now_ns()
+        bench.require(is_now, f"on a clock of the kit's, the stamp is {off_s:.1f} s off")
+        is_now = last_ns is not None and sent_at_ns <= last_ns <= clock.monotonic_ns()
+        bench.require(is_now, "health.last_data_ns is not the clock's monotonic_ns")
+
+
+def _raising(
+    bench: Bench, error: BaseException
+) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
+    """A transport whose subscriber raises that at every frame."""
+
+    def fail(frame: bytes, stamp_ns: int) -> None:
+        raise error
+
+    peer = bench.peer()
+    transport = bench.transport(peer)
+    subscriber = RecordingSubscriber(then=fail)
+    transport.start(subscriber)
+    return peer, transport, subscriber

@@ -1,0 +1,159 @@
+"""What the device sends is handed over as it was sent, all of it, once, and nothing else."""
+
+from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_bench import Bench
+from rosbase.testing.transport_check import check
+
+__all__ = ["FrameChecks"]
+
+_BATCH = 20
+_BATCHES = 10
+_STARTS = 10
+
+
+class FrameChecks(TransportAuthor):
+    """What is promised about frames."""
+
+    @check()
+    def test_frames_arrive_unaltered(self, bench: Bench) -> None:
+        """A payload arrives as one frame, byte for byte."""
+        peer, _, subscriber = bench.reading()
+        for payload in self.payloads:
+            subscriber.clear()
+            peer.send(payload)
+            bench.wait_for(subscriber, 1)
+            bench.require_frames(subscriber, [payload])
+
+    @check()
+    def test_frames_arrive_in_order(self, bench: Bench) -> None:
+        """Frames arrive in the order in which they were sent, each once."""
+        peer, _, subscriber = bench.reading()
+        sent: list[bytes] = []
+        for _ in range(_BATCHES):
+            batch = bench.payloads(_BATCH, first=len(sent))
+            peer.send(*batch)
+            sent += batch
+            bench.wait_for(subscriber, len(sent))
+        bench.require_frames(subscriber, sent)
+
+    @check("is_stream")
+    def test_frames_in_one_piece_are_kept_apart(self, bench: Bench) -> None:
+        """Frames that arrive in one piece are handed over one by one."""
+        peer, _, subscriber = bench.reading()
+        sent = bench.payloads(_BATCH)
+        peer.send_raw(b"".join(peer.encode(payload) for payload in sent))
+        bench.wait_for(subscriber, len(sent))
+        bench.require_frames(subscriber, sent)
+
+    @check("is_stream")
+    def test_a_frame_in_pieces_is_put_together(self, bench: Bench) -> None:
+        """A frame that arrives in pieces is handed over when it is whole."""
+        peer, transport, subscriber = bench.reading()
+        (payload,) = bench.payloads(1)
+        encoded = peer.encode(payload)
+        for start in range(0, len(encoded), 7):
+            before = transport.health.received_bytes
+            peer.send_raw(encoded[start : start + 7])
+            bench.wait_for_bytes(transport, before + 1)
+        bench.wait_for(subscriber, 1)
+        bench.require_frames(subscriber, [payload])
+
+    @check("is_stream")
+    def test_frames_after_junk_are_whole(self, bench: Bench) -> None:
+        """After junk, few frames are lost or spoiled; the next ones are whole, none merged."""
+        peer, _, subscriber = bench.reading()
+        for junk in self.junk:
+            subscriber.clear()
+            spoiled = bench.payloads(self.capabilities.frames_lost_after_junk)
+            whole = bench.payloads(5, first=len(spoiled))
+            peer.send_raw(junk)
+            peer.send(*spoiled, *whole)
+            arrived = subscriber.wait_for_frame(whole[-1], self.patience_s)
+            bench.require(arrived, f"the frame {_shown(whole[-1])} after junk never came")
+            last = subscriber.frames[-len(whole) :]
+            seen = f"after {_shown(junk)} came {', '.join(map(_shown, last))}"
+            bench.require(last == whole, seen)
+
+    @check("bad_frames")
+    def test_a_bad_frame_does_not_end_the_stream(self, bench: Bench) -> None:
+        """What cannot be a frame is not handed over, and does not end the stream."""
+        peer, _, subscriber = bench.reading()
+        for bad in self.capabilities.bad_frames:
+            subscriber.clear()
+            first, second = bench.payloads(2)
+            peer.send(first)
+            bench.wait_for(subscriber, 1)
+            peer.send_raw(bad)
+            peer.send(second)
+            bench.wait_for(subscriber, 2)
+            bench.require_frames(subscriber, [first, second])
+
+    @check("bad_frames")
+    def test_bad_frames_are_counted(self, bench: Bench) -> None:
+        """What cannot be a frame is counted in health.frame_errors, by a reason of one word."""
+        peer, transport, subscriber = bench.reading()
+        for count, bad in enumerate(self.capabilities.bad_frames, start=1):
+            peer.send_raw(bad)
+            peer.send(*bench.payloads(1))
+            subscriber.wait_for(count, self.patience_s)
+            errors = dict(transport.health.frame_errors)
+            seen = f"after {count} bad frames, health.frame_errors was {errors}"
+            bench.require(sum(errors.values()) == count, seen)
+            bench.require(all(len(reason.split()) == 1 for reason in errors), seen)
+
+    @check()
+    def test_what_came_before_start_is_discarded(self, bench: Bench) -> None:
+        """What the device sent before start is not handed over: it is not known when it came."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        transport.open()
+        stale, fresh = bench.payloads(5, first=100), bench.payloads(2)
+        for _ in range(3):
+            peer.send(*stale)
+            subscriber = RecordingSubscriber()
+            transport.start(subscriber)
+            peer.send(*fresh)
+            arrived = subscriber.wait_for_frame(fresh[-1], self.patience_s)
+            bench.require(arrived, "what was sent after start did not arrive")
+            old = [frame for frame in subscriber.frames if frame in stale]
+            bench.require(not old, f"{len(old)} frames arrived that were sent before start")
+            transport.stop()
+
+    @check()
+    def test_what_comes_after_start_is_handed_over(self, bench: Bench) -> None:
+        """What the device sends once start has returned is handed over."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        for _ in range(_STARTS):
+            subscriber = RecordingSubscriber()
+            transport.start(subscriber)
+            sent = bench.payloads(2)
+            peer.send(*sent)
+            bench.wait_for(subscriber, 2)
+            bench.require_frames(subscriber, sent)
+            transport.stop()
+
+    @check()
+    def test_two_transports_do_not_disturb_each_other(self, bench: Bench) -> None:
+        """Two transports hand over what is theirs, and the end of one is not the other's."""
+        one_peer, one, one_subscriber = bench.reading()
+        other_peer, other, other_subscriber = bench.reading()
+        ones, others = bench.payloads(_BATCH), bench.payloads(_BATCH, first=_BATCH)
+        for pair in zip(ones, others, strict=True):
+            one_peer.send(pair[0])
+            other_peer.send(pair[1])
+        bench.wait_for(one_subscriber, _BATCH)
+        bench.wait_for(other_subscriber, _BATCH)
+        bench.require_frames(one_subscriber, ones)
+        bench.require_frames(other_subscriber, others)
+        counted = one.health.frames
+        bench.require(counted == _BATCH, f"one of them counted {counted} frames, not {_BATCH}")
+        one.close()
+        bench.require(other.is_open, "closing one of them closed the other")
+        other_peer.send(*ones)
+        bench.wait_for(other_subscriber, 2 * _BATCH)
+
+
+def _shown(data: bytes) -> str:
+    return repr(data) if len(data) <= 80 else f"{data[:40]!r}... ({len(data)} bytes)"

@@ -1,0 +1,89 @@
+"""Health and is_open say what is so, at once."""
+
+from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_bench import Bench
+from rosbase.testing.transport_check import check
+from rosbase.transport import TransportState
+
+__all__ = ["HealthChecks"]
+
+
+class HealthChecks(TransportAuthor):
+    """What is promised about what can be seen of a transport."""
+
+    @check()
+    def test_is_open_is_true_as_long_as_the_device_is_held(self, bench: Bench) -> None:
+        """is_open is true from open to close, also after stop."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        bench.require(not transport.is_open, "is_open was true before open")
+        transport.open()
+        bench.require(transport.is_open, "is_open was false after open")
+        bench.prove(peer, transport)
+        bench.require(transport.is_open, "is_open was false while it reads")
+        transport.stop()
+        bench.require(transport.is_open, "is_open was false after stop, which keeps the device")
+        transport.close()
+        bench.require(not transport.is_open, "is_open was true after close")
+
+    @check()
+    def test_the_state_says_what_it_is_doing(self, bench: Bench) -> None:
+        """health.state is CLOSED before open and after close, and CONNECTED in between."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        _require_state(bench, transport.state, TransportState.CLOSED, "before open")
+        transport.open()
+        _require_state(bench, transport.state, TransportState.CONNECTED, "after open")
+        bench.prove(peer, transport)
+        _require_state(bench, transport.state, TransportState.CONNECTED, "while it reads")
+        transport.close()
+        _require_state(bench, transport.state, TransportState.CLOSED, "after close")
+
+    @check()
+    def test_health_counts_what_arrives(self, bench: Bench) -> None:
+        """health counts frames and bytes; nothing is wrong with good frames."""
+        peer, transport, subscriber = bench.reading()
+        sent = bench.payloads(20)
+        peer.send(*sent)
+        bench.wait_for(subscriber, len(sent))
+        health = transport.health
+        bench.require(health.frames == len(sent), f"frames was {health.frames}, not {len(sent)}")
+        least = sum(map(len, sent))
+        seen = f"received_bytes was {health.received_bytes} after {least} bytes of payload"
+        bench.require(health.received_bytes >= least, seen)
+        bench.require(not health.frame_errors, f"frame_errors was {dict(health.frame_errors)}")
+        bench.require(not health.last_error, f"last_error was {health.last_error!r}")
+
+    @check()
+    def test_only_data_proves_that_a_device_is_alive(self, bench: Bench) -> None:
+        """health.last_data_ns is when bytes last arrived; without bytes it stays as it is."""
+        peer, transport, subscriber = bench.reading()
+        never = transport.health.last_data_ns
+        bench.require(never is None, f"it was {never} before anything arrived")
+        before_ns = bench.clock.monotonic_ns()
+        peer.send(*bench.payloads(1))
+        bench.wait_for(subscriber, 1)
+        last_ns = transport.health.last_data_ns
+        is_so = last_ns is not None and before_ns <= last_ns <= bench.clock.monotonic_ns()
+        bench.require(is_so, f"it was {last_ns} after data that arrived after {before_ns}")
+        transport.stop()
+        transport.start(RecordingSubscriber())
+        again_ns = transport.health.last_data_ns
+        bench.require(again_ns == last_ns, "it changed although nothing arrived")
+
+    @check()
+    def test_health_never_waits(self, bench: Bench) -> None:
+        """health and is_open answer at once, also while stop waits for an on_frame that hangs."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        with bench.hanging(peer, transport):
+            _ = (transport.health, transport.is_open)
+            ending = bench.in_background(transport.made.stop)
+            while ending.is_alive():
+                _ = (transport.health, transport.is_open)
+                ending.join(0.05)
+
+
+def _require_state(bench: Bench, state: TransportState, wanted: TransportState, when: str) -> None:
+    bench.require(state is wanted, f"health.state was {state.name} {when}, not {wanted.name}")
