@@ -87,6 +87,16 @@ def integration(session: nox.Session) -> None:
 
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+def authors(session: nox.Session) -> None:
+    """Plugins of somebody else: the UDP example, and the template as its page fills it in."""
+    session.install("copier>=9", "hatchling", "editables", *TEST_TOOLS)
+    _install_wheels(session, "rosbase-core")
+    session.install("--no-deps", "--force-reinstall", str(EXAMPLES / "udp"))
+    session.run("pytest", "-q", str(EXAMPLES / "udp"))
+    session.run(*PYTEST, "tests/authors", *session.posargs)
+
+
+@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
 def docs(session: nox.Session) -> None:
     """Every code block of the READMEs and the documentation, run."""
     session.install(*TEST_TOOLS)

@@ -1,0 +1,96 @@
+"""The page `first-transport`: each unfinished step is named, and the last one works."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from copier import run_copy
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs/plugins/first-transport.md").read_text()
+FILES = dict(re.findall(r"```python title=(\S+)\n(.*?)```", PAGE, re.S))
+STEPS = ["config.py", "link.py", "simulator.py", "test_contract.py"]
+
+
+class Author:
+    """Somebody who has rendered the template, and follows the page."""
+
+    def __init__(self, folder: Path) -> None:
+        self.project = folder / "imu-tcp"
+        run_copy(
+            str(ROOT / "docs/template"), self.project, {"name": "tcp"}, defaults=True, quiet=True
+        )
+        pip = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation"]
+        self.site = folder / "site"
+        subprocess.run(
+            [*pip, "--target", str(self.site), "-e", str(self.project)], check=True, timeout=50
+        )
+
+    def write(self, name: str) -> None:
+        folder = "tests" if name.startswith("test_") else "src/imu_tcp"
+        assert (self.project / folder / name).exists(), "the template has no such file"
+        (self.project / folder / name).write_text(FILES[name])
+
+    def run(self, *command: str) -> "subprocess.CompletedProcess[str]":
+        path = f"{self.site}{os.pathsep}{self.project / 'src'}"
+        return subprocess.run(
+            [sys.executable, "-W", "error", "-m", *command],
+            check=False,
+            capture_output=True,
+            text=True,
+            timeout=50,
+            cwd=self.project,
+            env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+        )
+
+    def test(self) -> "subprocess.CompletedProcess[str]":
+        return self.run("pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-rN")
+
+
+@pytest.fixture
+def author(tmp_path: Path) -> Author:
+    return Author(tmp_path)
+
+
+def test_the_page_gives_every_file_that_is_unfinished() -> None:
+    assert list(FILES) == STEPS
+    unfinished = (ROOT / "docs/template/project").rglob("*.jinja")
+    names = {path.name.removesuffix(".jinja") for path in unfinished if "tep " in path.read_text()}
+    assert names == set(STEPS)
+
+
+@pytest.mark.parametrize("done", range(3))
+def test_an_unfinished_step_is_named_with_its_promise_and_page(author: Author, done: int) -> None:
+    for name in STEPS[:done]:
+        author.write(name)
+    result = author.test()
+    assert result.returncode == 1, result.stdout + result.stderr
+    failures = re.split(r"\n_{3,} TestContract\.\w+ _{3,}\n", result.stdout)[1:]
+    assert failures
+    for failure in failures:
+        assert failure.startswith("broken promise: ")
+        assert "\n  more:     docs/plugins/transport-contract.md#" in failure
+        assert "step 4: play the device, in simulator.py" in failure
+
+
+def test_a_device_that_cannot_be_opened_yet_is_named_too(author: Author) -> None:
+    author.write("config.py")
+    author.write("simulator.py")
+    shown = author.test().stdout
+    assert "broken promise: every-call-is-written" in shown
+    assert "step 2: open the device, in link.py" in shown
+
+
+def test_the_finished_transport_keeps_its_promises_and_runs_the_demo(author: Author) -> None:
+    for name in STEPS:
+        author.write(name)
+    result = author.test()
+    assert result.returncode == 0, result.stdout + result.stderr
+    demo = author.run("rosbase", "demo", "--transport", "tcp", "--duration", "2")
+    assert demo.returncode == 0, demo.stderr
+    numbers = dict(line.split(" ", 1) for line in demo.stdout.splitlines() if " " in line.strip())
+    assert int(numbers["published"]) >= 190
+    assert numbers["lost"] == "0"
