@@ -13,6 +13,7 @@ from rosbase.cli.arguments import check_given, read_given
 from rosbase.errors import ConfigurationError
 from rosbase.imu.settings import READER_PARAMETERS, reader_parameters
 from rosbase.plugins import installed_plugins
+from support.command import run_apart as run
 from support.plugins import BROKEN_PLUGINS, TRANSPORT_PLUGIN, install_plugin
 
 
@@ -27,19 +28,6 @@ def complaint(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert (status, shown.out) == (2, "")
     assert shown.err.count("\n") == 1
     return shown.err.strip()
-
-
-def run(*arguments: str, path: Path | None = None) -> subprocess.CompletedProcess[str]:
-    code = "import sys; from rosbase.cli import main; sys.exit(main())"
-    environment = {"PATH": "", "PYTHONPATH": str(path or ""), "PYTHONDONTWRITEBYTECODE": "1"}
-    return subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        capture_output=True,
-        text=True,
-        timeout=30,
-        env=environment,
-        check=False,
-    )
 
 
 @pytest.mark.parametrize(
@@ -60,8 +48,11 @@ def run(*arguments: str, path: Path | None = None) -> subprocess.CompletedProces
         (["demo", "--rate", "nan"], "'nan' is not a positive number"),
         (["demo", "--rate", "1e-308"], "'1e-308' is not from 0.01 to 100000"),
         (["demo", "--transport", "mqtt"], "pip install imu-mqtt"),
-        (["fly"], "invalid choice: 'fly'"),
-        ([], "say what to do: demo, imu, plugins"),
+        (["fly"], "no command 'fly'; installed: demo, doctor, imu, plugins"),
+        (["doctr"], "did you mean 'doctor'?"),
+        (["doctor", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
+        (["doctor", "-p", "frameid:=x"], "unknown parameter 'frameid'"),
+        ([], "say what to do: demo, doctor, imu, plugins"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line_and_status_2(

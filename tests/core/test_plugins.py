@@ -1,6 +1,5 @@
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,17 +14,6 @@ from support.plugins import (
     candidates_in,
     install_plugin,
 )
-
-
-@pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder that stands for site-packages."""
-    monkeypatch.syspath_prepend(tmp_path)
-    before = set(sys.modules)
-    monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    yield tmp_path
-    for name in set(sys.modules) - before:
-        del sys.modules[name]
 
 
 def load(site: Path) -> PluginRegistry:

@@ -1,5 +1,6 @@
 """The command `rosbase` as a process of its own, as a user runs it."""
 
+import os
 import subprocess
 import sys
 import threading
@@ -19,6 +20,30 @@ def run_rosbase(*arguments: str, timeout_s: float = 40.0) -> subprocess.Complete
         capture_output=True,
         text=True,
         timeout=timeout_s,
+        check=False,
+    )
+
+
+def run_apart(
+    *arguments: str, path: Path | None = None, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """Runs it with nothing of the user's environment.
+
+    Args:
+        arguments: Those of the command.
+        path: A folder with more plugins.
+        variables: The environment.
+    """
+    code = "import sys; from rosbase.cli import main; sys.exit(main())"
+    # Where the modules come from is no affair of the user's.
+    folders = [str(path or ""), os.environ.get("PYTHONPATH", "")]
+    own = {"PYTHONPATH": os.pathsep.join(filter(None, folders)), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        timeout=40,
+        env={"PATH": "", **own, **variables},
         check=False,
     )
 

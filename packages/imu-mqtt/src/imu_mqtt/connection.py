@@ -22,7 +22,7 @@ from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.clock import Clock
 from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
 
-__all__ = ["Connection", "OnMessage", "RefusedError"]
+__all__ = ["Connection", "OnMessage", "RefusedError", "TlsError"]
 
 OnMessage: TypeAlias = Callable[[mqtt.MQTTMessage], None]
 
@@ -48,6 +48,10 @@ _MAX_QUEUED = 10
 
 class RefusedError(DevicePermissionError):
     """The broker is there, and does not want this client as it is: trying again at once is idle."""
+
+
+class TlsError(RefusedError):
+    """There is no secure connection: one of the two does not trust the other."""
 
 
 class Connection:
@@ -352,13 +356,13 @@ def _tls(config: MqttConfig) -> ssl.SSLContext | None:
             # A password, for OpenSSL asks the terminal if there is none.
             context.load_cert_chain(config.cert_file, config.key_file or None, password="")
     except (OSError, ValueError) as error:
-        raise RefusedError(f"{named} cannot be used for TLS: {_one_line(error)}") from error
+        raise TlsError(f"{named} cannot be used for TLS: {_one_line(error)}") from error
     return context
 
 
 def _unreachable(address: Address, error: Exception) -> TransportError:
     if isinstance(error, ssl.SSLError):
-        return RefusedError(f"{address}: TLS fails: {_one_line(error)}")
+        return TlsError(f"{address}: TLS fails: {_one_line(error)}")
     if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
         return DeviceNotFoundError(f"there is no broker at {address}")
     if isinstance(error, socket.gaierror):

@@ -1,13 +1,14 @@
-"""Registers the transport `mqtt` and presets. Imports no network library."""
+"""Registers the transport `mqtt`, presets and a check. Imports no network library."""
 
 from collections.abc import Iterable, Mapping
 
 from imu_mqtt.config import PARAMETERS, MqttConfig
+from rosbase.checks import CheckContext, Finding
 from rosbase.parameters import ParameterValue
-from rosbase.plugins import PresetPlugin, TransportPlugin, hookimpl
+from rosbase.plugins import CheckPlugin, PresetPlugin, TransportPlugin, hookimpl
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
-__all__ = ["rosbase_presets", "rosbase_transports"]
+__all__ = ["rosbase_checks", "rosbase_presets", "rosbase_transports"]
 
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
@@ -20,6 +21,12 @@ def _simulate() -> SimulatedDevice:
     from imu_mqtt.simulator import BrokeredDevice
 
     return BrokeredDevice()
+
+
+def _check(context: CheckContext) -> Iterable[Finding]:
+    from imu_mqtt.check import check_broker
+
+    return check_broker(context)
 
 
 @hookimpl
@@ -57,3 +64,9 @@ def rosbase_presets() -> Iterable[PresetPlugin]:
             "required": ["angular_velocity", "linear_acceleration"],
         },
     )
+
+
+@hookimpl
+def rosbase_checks() -> Iterable[CheckPlugin]:
+    """The broker."""
+    yield CheckPlugin("mqtt", "the broker, and whether it lets us in", _check)

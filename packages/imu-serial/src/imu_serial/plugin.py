@@ -1,15 +1,16 @@
-"""Registers the transport `serial`. Imports no device library."""
+"""Registers the transport `serial`, and its check. Imports no device library."""
 
 from collections.abc import Iterable, Mapping
 
 from imu_serial.config import PARAMETERS, SerialConfig
+from rosbase.checks import CheckContext, Finding
 from rosbase.device import DeviceTransport
 from rosbase.framing import LineFramer
 from rosbase.parameters import ParameterValue
-from rosbase.plugins import TransportPlugin, hookimpl
+from rosbase.plugins import CheckPlugin, TransportPlugin, hookimpl
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
-__all__ = ["rosbase_transports"]
+__all__ = ["rosbase_checks", "rosbase_transports"]
 
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
@@ -30,9 +31,21 @@ def _simulate() -> SimulatedDevice:
     return PtyDevice()
 
 
+def _check(context: CheckContext) -> Iterable[Finding]:
+    from imu_serial.check import check_ports
+
+    return check_ports(context)
+
+
 @hookimpl
 def rosbase_transports() -> Iterable[TransportPlugin]:
     """Lines from a serial port."""
     yield TransportPlugin(
         "serial", "lines from a serial port", _create, parameters=PARAMETERS, simulate=_simulate
     )
+
+
+@hookimpl
+def rosbase_checks() -> Iterable[CheckPlugin]:
+    """The ports of this machine."""
+    yield CheckPlugin("serial", "serial ports, and who may open them", _check)

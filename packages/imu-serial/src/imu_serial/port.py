@@ -7,6 +7,7 @@ import os
 import termios
 
 import serial
+from serial.tools import list_ports
 
 from imu_serial.config import SerialConfig
 from rosbase.errors import (
@@ -17,7 +18,7 @@ from rosbase.errors import (
     TransportError,
 )
 
-__all__ = ["Port"]
+__all__ = ["Port", "group_name", "port_names"]
 
 # What a read of a terminal gives at most (N_TTY_BUF_SIZE of Linux).
 _CHUNK_BYTES = 4_096
@@ -123,7 +124,7 @@ def _explain(name: str, path: str, baudrate: int, error: Exception) -> Transport
             return DeviceNotFoundError(f"{name} is not there; is the device plugged in?")
         case errno.EACCES | errno.EPERM:
             return DevicePermissionError(
-                f"{name} may not be opened by this user; it belongs to the group {_group(path)}"
+                f"{name} may not be opened by this user; it belongs to the group {group_name(path)}"
             )
         case errno.EAGAIN | errno.EBUSY:
             return DeviceBusyError(f"{name} is in use by another program")
@@ -137,8 +138,15 @@ def _explain(name: str, path: str, baudrate: int, error: Exception) -> Transport
     return TransportError(f"{name} cannot be opened: {text}")
 
 
-def _group(path: str) -> str:
+def group_name(path: str) -> str:
+    """The group that a port belongs to."""
     try:
         return grp.getgrgid(os.stat(path).st_gid).gr_name
     except (OSError, KeyError):
         return "of another user"
+
+
+def port_names() -> list[str]:
+    """The paths of the serial ports that are there; those on the board, which few use, last."""
+    names = [port.device for port in list_ports.comports()]
+    return sorted(names, key=lambda name: (name.startswith("/dev/ttyS"), name))

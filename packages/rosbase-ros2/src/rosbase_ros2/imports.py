@@ -6,10 +6,10 @@ import sys
 
 from rosbase.errors import NotInstalledError
 
-__all__ = ["check_rclpy"]
+__all__ = ["NO_SUCH_MIDDLEWARE", "check_rclpy", "explain", "no_such_middleware"]
 
-# The status with which rcl ends the process (rmw_implementation_identifier_check.c).
-_NO_SUCH_MIDDLEWARE = 102
+NO_SUCH_MIDDLEWARE = 102
+"""The status with which rcl ends the process (rmw_implementation_identifier_check.c)."""
 
 
 def check_rclpy() -> None:
@@ -23,7 +23,7 @@ def check_rclpy() -> None:
     try:
         import rclpy  # noqa: F401, PLC0415 - only to see whether it can be
     except Exception as error:
-        raise NotInstalledError(_explain(error)) from error
+        raise NotInstalledError(explain(error)) from error
 
 
 def _check_middleware() -> None:
@@ -32,14 +32,17 @@ def _check_middleware() -> None:
         return
     # Importing rclpy ends the process, if it has not the middleware that is named.
     command = [sys.executable, "-P", "-c", "import rclpy"]
-    if subprocess.run(command, capture_output=True, check=False).returncode == _NO_SUCH_MIDDLEWARE:
-        raise NotInstalledError(
-            f"RMW_IMPLEMENTATION is {name}, which this rclpy does not have:"
-            " install it, or unset the variable"
-        )
+    if subprocess.run(command, capture_output=True, check=False).returncode == NO_SUCH_MIDDLEWARE:
+        raise NotInstalledError(f"{no_such_middleware(name)}: install it, or unset the variable")
 
 
-def _explain(error: Exception) -> str:
+def no_such_middleware(name: str) -> str:
+    """What is wrong where that middleware is named."""
+    return f"RMW_IMPLEMENTATION is {name}, which this rclpy does not have"
+
+
+def explain(error: Exception) -> str:
+    """Why rclpy cannot be imported, in one line."""
     if isinstance(error, ModuleNotFoundError) and error.name == "rclpy":
         return "rclpy is not installed: pip install 'ros-jazzy-rclpy[fastrtps]'"
     reason = (str(error).splitlines() or [type(error).__name__])[0]

@@ -1,11 +1,12 @@
-"""Registers the backend `ros2`. Imports rclpy only when it is chosen."""
+"""Registers the backend `ros2`, and its check. Imports rclpy only when it is chosen."""
 
 from collections.abc import Iterable
 
 from rosbase.backend import Backend, BackendOptions
-from rosbase.plugins import BackendPlugin, hookimpl
+from rosbase.checks import CheckContext, Finding
+from rosbase.plugins import BackendPlugin, CheckPlugin, hookimpl
 
-__all__ = ["rosbase_backends"]
+__all__ = ["rosbase_backends", "rosbase_checks"]
 
 
 def _create(options: BackendOptions) -> Backend:
@@ -17,7 +18,19 @@ def _create(options: BackendOptions) -> Backend:
     return Ros2Backend(options)
 
 
+def _check(context: CheckContext) -> Iterable[Finding]:
+    from rosbase_ros2.check import check_ros
+
+    return check_ros()
+
+
 @hookimpl
 def rosbase_backends() -> Iterable[BackendPlugin]:
     """The backend on rclpy."""
     yield BackendPlugin("ros2", "a ROS 2 node, by rclpy", _create, arguments_after="--ros-args")
+
+
+@hookimpl
+def rosbase_checks() -> Iterable[CheckPlugin]:
+    """ROS on this machine."""
+    yield CheckPlugin("ros2", "rclpy, its middleware and the domain", _check)

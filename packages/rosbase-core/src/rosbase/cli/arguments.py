@@ -16,6 +16,7 @@ from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse
 __all__ = [
     "Given",
     "OneLineParser",
+    "add_parameters",
     "as_text",
     "check_given",
     "number_between",
@@ -53,6 +54,21 @@ def number_between(least: float, most: float) -> Callable[[str], float]:
         return number
 
     return read
+
+
+def add_parameters(parser: argparse.ArgumentParser) -> None:
+    """Adds the two arguments with which users set parameters."""
+    parser.add_argument(
+        "-p",
+        dest="assignments",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        help="set a parameter, such as device_path:=/dev/ttyUSB0",
+    )
+    parser.add_argument(
+        "--params-file", type=Path, metavar="FILE", help="set parameters from a TOML file"
+    )
 
 
 @frozen

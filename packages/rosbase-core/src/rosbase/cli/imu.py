@@ -1,9 +1,8 @@
 """`rosbase imu`: runs the reader on a device."""
 
 import argparse
-from pathlib import Path
 
-from rosbase.cli.arguments import as_text, check_given, positive_number, read_given
+from rosbase.cli.arguments import add_parameters, as_text, check_given, positive_number, read_given
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
@@ -18,17 +17,7 @@ _OWN_DEFAULTS: dict[str, ParameterValue] = {"autostart": "activate"}
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments."""
-    parser.add_argument(
-        "-p",
-        dest="assignments",
-        metavar="NAME:=VALUE",
-        action="append",
-        default=[],
-        help="set a parameter, such as device_path:=/dev/ttyUSB0",
-    )
-    parser.add_argument(
-        "--params-file", type=Path, metavar="FILE", help="set parameters from a TOML file"
-    )
+    add_parameters(parser)
     parser.add_argument(
         "--duration", type=positive_number, metavar="S", help="end after so many seconds"
     )

@@ -1,12 +1,11 @@
-"""`rosbase plugins`: which plugins are installed, what they bring, and which of them failed."""
+"""`rosbase plugins`: which plugins are installed, what they bring, and what became of them."""
 
 import argparse
-from collections.abc import Mapping
 
-from rosbase.imu.settings import transport_clashes
-from rosbase.plugins import PluginRecord, TransportPlugin, installed_plugins
+from rosbase.imu.settings import judged_plugins
+from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, installed_plugins
 
-__all__ = ["configure", "run"]
+__all__ = ["configure", "run", "what_of"]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -15,23 +14,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints one line for each plugin."""
-    registry = installed_plugins()
-    clashes = transport_clashes(registry)
-    width = max((len(record.name) for record in registry.plugins), default=0)
-    for record in registry.plugins:
-        failure = record.failure or _clash(record, clashes)
-        status = "failed" if failure else "active"
+    records = judged_plugins(installed_plugins())
+    name_width = max((len(record.name) for record in records), default=0)
+    status_width = max((len(record.status) for record in records), default=0)
+    for record in records:
         origin = f"{record.distribution} {record.version}"
-        print(f"{record.name:{width}}  {status}  {origin}  {failure or _what(record)}")
+        states = f"{record.name:{name_width}}  {record.status:{status_width}}"
+        print(f"{states}  {origin}  {what_of(record)}")
     return 0
 
 
-def _clash(record: PluginRecord, clashes: Mapping[str, str]) -> str:
-    names = [d.name for d in record.descriptors if d.kind == TransportPlugin.kind]
-    return next((clashes[name] for name in names if name in clashes), "")
-
-
-def _what(record: PluginRecord) -> str:
+def what_of(record: PluginRecord) -> str:
+    """What a plugin brings, or why it brings nothing."""
+    if record.is_blocked:
+        return f"by {BLOCK_VARIABLE}"
+    if record.failure:
+        return record.failure
     brought: dict[str, list[str]] = {}
     for descriptor in record.descriptors:
         brought.setdefault(descriptor.kind, []).append(descriptor.name)

@@ -5,13 +5,15 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from rosbase.plugins import CommandPlugin, hookimpl
+from rosbase.checks import CheckContext, Finding
+from rosbase.plugins import CheckPlugin, CommandPlugin, hookimpl, installed_plugins
 
-__all__ = ["rosbase_commands"]
+__all__ = ["rosbase_checks", "rosbase_commands"]
 
 _COMMANDS = (
     ("imu", "read an IMU and publish what it measures", "rosbase.cli.imu"),
     ("demo", "read a simulated IMU over a real link", "rosbase.cli.demo"),
+    ("doctor", "find what is wrong here, and say what to do", "rosbase.cli.doctor"),
     ("plugins", "list the installed plugins", "rosbase.cli.list_plugins"),
 )
 
@@ -27,7 +29,26 @@ def _command(name: str, summary: str, module: str) -> CommandPlugin:
     return CommandPlugin(name, summary, configure, run)
 
 
+def _check_python(context: CheckContext) -> Iterable[Finding]:
+    from rosbase.cli.core_checks import check_python
+
+    return check_python()
+
+
+def _check_plugins(context: CheckContext) -> Iterable[Finding]:
+    from rosbase.cli.core_checks import check_plugins
+
+    return check_plugins(installed_plugins())
+
+
 @hookimpl
 def rosbase_commands() -> Iterable[CommandPlugin]:
     """The commands of the core."""
     return [_command(*command) for command in _COMMANDS]
+
+
+@hookimpl
+def rosbase_checks() -> Iterable[CheckPlugin]:
+    """What the core can tell of itself."""
+    yield CheckPlugin("python", "the interpreter and the platform", _check_python)
+    yield CheckPlugin("plugins", "what is installed, and whether it works", _check_plugins)

@@ -65,6 +65,8 @@ def _run_command(arguments: list[str]) -> int:
         # Only the command that is asked for imports what it needs.
         if name == wanted:
             _configure(command, subparser)
+    if wanted is not None:
+        registry.command(wanted)
     parsed = parser.parse_args(arguments)
     if parsed.version:
         print(f"rosbase-core {version('rosbase-core')}")

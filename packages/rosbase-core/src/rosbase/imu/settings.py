@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from attrs import frozen
+from attrs import evolve, frozen
 
 from rosbase.errors import NotInstalledError, ParameterError
 from rosbase.imu.covariance import covariance_of
@@ -11,16 +11,16 @@ from rosbase.imu.mapping import GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
 from rosbase.imu.presets import DEFAULT_PRESET
 from rosbase.messages import Covariance
 from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue, check_value
-from rosbase.plugins import PluginRegistry, PresetPlugin, TransportPlugin
+from rosbase.plugins import PluginRecord, PluginRegistry, PresetPlugin, TransportPlugin
 
 __all__ = [
     "AS_PRESET",
     "DEFAULT_TRANSPORT",
     "READER_PARAMETERS",
     "ReaderSettings",
+    "judged_plugins",
     "read_settings",
     "reader_parameters",
-    "transport_clashes",
 ]
 
 DEFAULT_TRANSPORT = "serial"
@@ -148,11 +148,14 @@ class ReaderSettings:
         return str(next(iter(self.transport_values.values()), self.transport.name))
 
 
-def transport_clashes(registry: PluginRegistry) -> dict[str, str]:
+def _clashes(registry: PluginRegistry) -> dict[str, str]:
     """Transports that cannot be used, because a parameter of theirs means something else here.
 
     Returns:
         The reason, by the name of the transport. One of this project's wins over others.
+
+    Raises:
+        PluginError: There is one, and `ROSBASE_STRICT_PLUGINS` is set.
     """
     owners = {spec.name: (spec, "the reader") for spec in READER_PARAMETERS}
     clashes: dict[str, str] = {}
@@ -162,12 +165,33 @@ def transport_clashes(registry: PluginRegistry) -> dict[str, str]:
             known, owner = owners.setdefault(spec.name, (spec, f"transport '{name}'"))
             if known != spec:
                 clashes[name] = f"its parameter {spec.name} is another than that of {owner}"
+    if clashes:
+        registry.check_strictly(_failed_by(clashes, registry))
     return clashes
+
+
+def judged_plugins(registry: PluginRegistry) -> list[PluginRecord]:
+    """Every plugin; one whose transport no reader can use has failed, too.
+
+    Raises:
+        PluginError: One has failed, and `ROSBASE_STRICT_PLUGINS` is set.
+    """
+    return _failed_by(_clashes(registry), registry)
+
+
+def _failed_by(clashes: Mapping[str, str], registry: PluginRegistry) -> list[PluginRecord]:
+    owners = {registry.owner_of(registry.transports[name]).full_name: name for name in clashes}
+    return [
+        evolve(record, failure=clashes[owners[record.full_name]])
+        if record.full_name in owners
+        else record
+        for record in registry.plugins
+    ]
 
 
 def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
     """The parameters of a reader with the transports that are installed."""
-    clashes = transport_clashes(registry)
+    clashes = _clashes(registry)
     specs = {spec.name: spec for spec in READER_PARAMETERS}
     for name, transport in registry.transports.items():
         if name not in clashes:
@@ -185,7 +209,7 @@ def read_settings(
     """
     get: Callable[[str], Any] = value_of
     transport = registry.transport(get("comm_t"))
-    clash = transport_clashes(registry).get(transport.name)
+    clash = _clashes(registry).get(transport.name)
     if clash is not None:
         raise NotInstalledError(f"transport '{transport.name}' cannot be used: {clash}")
     settings = ReaderSettings(

@@ -2,6 +2,7 @@
 
 from rosbase.plugins.descriptors import (
     BackendPlugin,
+    CheckPlugin,
     CommandPlugin,
     ConversionPlugin,
     Descriptor,
@@ -11,10 +12,13 @@ from rosbase.plugins.descriptors import (
 from rosbase.plugins.hookspec import hookimpl
 from rosbase.plugins.loader import PluginRecord
 from rosbase.plugins.registry import ENTRY_POINT_GROUP, PluginRegistry, installed_plugins
+from rosbase.plugins.switches import BLOCK_VARIABLE
 
 __all__ = [
+    "BLOCK_VARIABLE",
     "ENTRY_POINT_GROUP",
     "BackendPlugin",
+    "CheckPlugin",
     "CommandPlugin",
     "ConversionPlugin",
     "Descriptor",

@@ -1,18 +1,20 @@
 """What a plugin can bring. A hook yields these; the registry keeps them by name."""
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, TypeAlias
 
 from attrs import Attribute, field, frozen, validators
 
 from rosbase import messages
 from rosbase.backend import Backend, BackendOptions
+from rosbase.checks import CheckContext, Finding
 from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = [
     "BackendPlugin",
+    "CheckPlugin",
     "CommandPlugin",
     "ConversionPlugin",
     "Descriptor",
@@ -132,6 +134,20 @@ def conversion_name(msg_type: type, backend: str) -> str:
     return f"{msg_type.__module__}.{msg_type.__qualname__} on {backend}"
 
 
+@frozen
+class CheckPlugin:
+    """A check of `rosbase doctor`."""
+
+    kind: ClassVar[str] = "check"
+
+    name: str = field(validator=_word)
+    summary: str = field(validator=validators.instance_of(str))
+    """What is looked at, in half a line."""
+    run: Callable[[CheckContext], Iterable[Finding]] = field(validator=validators.is_callable())
+    """Looks, on a thread of its own; `rosbase.checks` says what it may do. Only here is imported
+    what it needs."""
+
+
 Descriptor: TypeAlias = (
-    BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin | ConversionPlugin
+    BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin | ConversionPlugin | CheckPlugin
 )

@@ -5,7 +5,10 @@ from importlib.metadata import Distribution, EntryPoint, distributions
 
 from attrs import frozen
 
-__all__ = ["Candidate", "find_candidates"]
+__all__ = ["CORE", "Candidate", "find_candidates"]
+
+CORE = "rosbase-core"
+"""The distribution whose plugins are the core's own."""
 
 
 @frozen
@@ -21,6 +24,21 @@ class Candidate:
     """What to load; None if the metadata cannot be read."""
     damage: str = ""
     """What is wrong with the metadata, in one line."""
+
+    @property
+    def full_name(self) -> str:
+        """Distribution and entry point: two packages may use the same name."""
+        return f"{self.distribution}:{self.name}"
+
+    @property
+    def package(self) -> str:
+        """What is imported to load it; nothing, if the metadata cannot be read."""
+        return self.entry.module.partition(".")[0] if self.entry else ""
+
+    @property
+    def is_core(self) -> bool:
+        """Whether it is a part of the core."""
+        return self.distribution == CORE
 
 
 def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate]:

@@ -10,6 +10,7 @@ import pluggy
 
 from rosbase.plugins.descriptors import (
     BackendPlugin,
+    CheckPlugin,
     CommandPlugin,
     ConversionPlugin,
     PresetPlugin,
@@ -53,4 +54,10 @@ def rosbase_commands() -> Iterable[CommandPlugin]:
 @hookspec
 def rosbase_conversions() -> Iterable[ConversionPlugin]:
     """Message classes of your own, for backends that convert messages."""
+    return ()
+
+
+@hookspec
+def rosbase_checks() -> Iterable[CheckPlugin]:
+    """Checks of `rosbase doctor`. What a check needs is imported when it runs."""
     return ()

@@ -8,7 +8,7 @@ asked one at a time here.
 import inspect
 from collections.abc import Callable, Iterable
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias
 
 import pluggy
 from attrs import evolve, frozen
@@ -17,6 +17,7 @@ from rosbase.errors import PluginError
 from rosbase.plugins import hookspec
 from rosbase.plugins.descriptors import (
     BackendPlugin,
+    CheckPlugin,
     CommandPlugin,
     ConversionPlugin,
     Descriptor,
@@ -25,7 +26,10 @@ from rosbase.plugins.descriptors import (
 )
 from rosbase.plugins.discovery import Candidate
 
-__all__ = ["PluginRecord", "load_plugin", "one_line"]
+__all__ = ["PluginRecord", "Trace", "load_plugin", "one_line"]
+
+Trace: TypeAlias = Callable[[str], object]
+"""Takes one line about a plugin."""
 
 _HOOKS: dict[str, type[Descriptor]] = {
     "rosbase_backends": BackendPlugin,
@@ -33,6 +37,7 @@ _HOOKS: dict[str, type[Descriptor]] = {
     "rosbase_presets": PresetPlugin,
     "rosbase_commands": CommandPlugin,
     "rosbase_conversions": ConversionPlugin,
+    "rosbase_checks": CheckPlugin,
 }
 
 
@@ -40,47 +45,73 @@ _HOOKS: dict[str, type[Descriptor]] = {
 class PluginRecord:
     """What became of one entry point."""
 
-    name: str
-    """The entry point's name, which is what a user types."""
-    distribution: str
-    """The installed package that it belongs to."""
-    version: str
+    candidate: Candidate
     descriptors: tuple[Descriptor, ...] = ()
-    """What it registered; nothing if it failed."""
+    """What it registered; nothing if it failed or is blocked."""
     failure: str = ""
     """Why it failed, in one line; empty if it did not."""
+    is_blocked: bool = False
+    """Whether the user has it left out; it has not been imported then."""
+
+    @property
+    def name(self) -> str:
+        """The entry point's name, which is what a user types."""
+        return self.candidate.name
+
+    @property
+    def distribution(self) -> str:
+        """The installed package that it belongs to."""
+        return self.candidate.distribution
+
+    @property
+    def version(self) -> str:
+        """That of the package."""
+        return self.candidate.version
 
     @property
     def full_name(self) -> str:
         """Distribution and entry point: two packages may use the same name."""
-        return f"{self.distribution}:{self.name}"
+        return self.candidate.full_name
+
+    @property
+    def status(self) -> str:
+        """`active`, `blocked` or `failed`."""
+        return "blocked" if self.is_blocked else "failed" if self.failure else "active"
 
 
-def load_plugin(manager: pluggy.PluginManager, candidate: Candidate) -> PluginRecord:
+def load_plugin(manager: pluggy.PluginManager, candidate: Candidate, trace: Trace) -> PluginRecord:
     """Imports the plugin, registers it with pluggy, and asks it what it brings.
 
     Whatever goes wrong ends up in the record, and the plugin is taken out again.
+
+    Args:
+        manager: Who keeps the plugins.
+        candidate: The plugin.
+        trace: Is told what each hook gave, and what went wrong.
     """
-    record = PluginRecord(candidate.name, candidate.distribution, candidate.version)
+    record = PluginRecord(candidate)
     if candidate.entry is None:
         return evolve(record, failure=candidate.damage)
     try:
         module = candidate.entry.load()
-        descriptors = _register(manager, record.full_name, module)
+        descriptors = _register(manager, record.full_name, module, trace)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
         # Base: a module may do anything while it is imported, such as calling sys.exit().
+        trace(f"failed: {one_line(error)}")
         return evolve(record, failure=one_line(error))
     return evolve(record, descriptors=tuple(descriptors))
 
 
-def _register(manager: pluggy.PluginManager, name: str, module: ModuleType) -> list[Descriptor]:
+def _register(
+    manager: pluggy.PluginManager, name: str, module: ModuleType, trace: Trace
+) -> list[Descriptor]:
     _refuse_unmarked_hooks(module)
     try:
         manager.register(module, name=name)
         manager.check_pending()
-        return list(_ask(manager, module))
+        return list(_ask(manager, module, trace))
     except BaseException:
         # pluggy keeps half of a plugin whose registration it refused.
         if manager.has_plugin(name):
@@ -95,17 +126,25 @@ def _refuse_unmarked_hooks(module: ModuleType) -> None:
             raise PluginError(f"{name} is not marked with @hookimpl, so it would never be called")
 
 
-def _ask(manager: pluggy.PluginManager, module: ModuleType) -> Iterable[Descriptor]:
+def _ask(manager: pluggy.PluginManager, module: ModuleType, trace: Trace) -> Iterable[Descriptor]:
     others = [plugin for plugin in manager.get_plugins() if plugin is not module]
     for hook, expected in _HOOKS.items():
-        caller: Callable[[], list[Any]] = manager.subset_hook_caller(hook, others)
-        for answer in caller():
-            for descriptor in answer:
-                if not isinstance(descriptor, expected):
-                    raise PluginError(
-                        f"{hook} must yield {expected.__name__}, not {type(descriptor).__name__}"
-                    )
-                yield descriptor
+        caller = manager.subset_hook_caller(hook, others)
+        if caller.get_hookimpls():
+            trace(f"{hook} is called")
+            yield from _checked(hook, expected, caller(), trace)
+
+
+def _checked(
+    hook: str, expected: type[Descriptor], answers: list[Iterable[Any]], trace: Trace
+) -> Iterable[Descriptor]:
+    for descriptor in (descriptor for answer in answers for descriptor in answer):
+        if not isinstance(descriptor, expected):
+            raise PluginError(
+                f"{hook} must yield {expected.__name__}, not {type(descriptor).__name__}"
+            )
+        trace(f"{hook} gave {descriptor.kind} '{descriptor.name}'")
+        yield descriptor
 
 
 def one_line(error: BaseException) -> str:

@@ -1,6 +1,7 @@
 """Finds the installed plugins and answers: which backend, transport or preset is that?"""
 
 import difflib
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any, TypeVar, cast
@@ -12,6 +13,7 @@ from rosbase.errors import NotInstalledError, PluginError
 from rosbase.plugins import hookspec
 from rosbase.plugins.descriptors import (
     BackendPlugin,
+    CheckPlugin,
     CommandPlugin,
     ConversionPlugin,
     Descriptor,
@@ -19,17 +21,20 @@ from rosbase.plugins.descriptors import (
     TransportPlugin,
     conversion_name,
 )
-from rosbase.plugins.discovery import Candidate, find_candidates
-from rosbase.plugins.loader import PluginRecord, load_plugin, one_line
+from rosbase.plugins.discovery import CORE, Candidate, find_candidates
+from rosbase.plugins.loader import PluginRecord, Trace, load_plugin, one_line
+from rosbase.plugins.switches import BLOCK_VARIABLE, STRICT_VARIABLE, PluginSwitches
 
 __all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
 
 ENTRY_POINT_GROUP = "rosbase"
 
-_CORE = "rosbase-core"
 _OURS = {
-    ("backend", "local"): _CORE,
+    ("backend", "local"): CORE,
     ("backend", "ros2"): "rosbase-ros2",
+    ("check", "mqtt"): "imu-mqtt",
+    ("check", "ros2"): "rosbase-ros2",
+    ("check", "serial"): "imu-serial",
     ("transport", "mqtt"): "imu-mqtt",
     ("transport", "serial"): "imu-serial",
 }
@@ -42,12 +47,22 @@ DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
 class PluginRegistry:
     """The plugins that are there, and what they bring."""
 
-    def __init__(self, candidates: Iterable[Candidate]) -> None:
-        """Loads every candidate; none of them can make this fail."""
-        manager = pluggy.PluginManager(hookspec.PROJECT_NAME)
-        manager.add_hookspecs(hookspec)
-        records = [load_plugin(manager, candidate) for candidate in candidates]
-        self._plugins = _refuse_contested(records)
+    def __init__(
+        self, candidates: Iterable[Candidate], switches: PluginSwitches | None = None
+    ) -> None:
+        """Loads every candidate that is not blocked; none of them can make this fail.
+
+        Args:
+            candidates: What says that it is a plugin.
+            switches: What the user has switched on; by default nothing.
+
+        Raises:
+            ConfigurationError: The core is to be blocked.
+            PluginError: One has failed, and the switches are strict.
+        """
+        self._switches = switches or PluginSwitches()
+        self._plugins = _refuse_contested(_load(list(candidates), self._switches))
+        self.check_strictly(self._plugins)
         self._by_kind: dict[str, dict[str, Descriptor]] = {}
         for record in self._plugins:
             for descriptor in record.descriptors:
@@ -78,6 +93,11 @@ class PluginRegistry:
         """The commands that plugins add, by name."""
         return self._of(CommandPlugin)
 
+    @property
+    def checks(self) -> Mapping[str, CheckPlugin]:
+        """The checks of `rosbase doctor`, by name."""
+        return self._of(CheckPlugin)
+
     def backend(self, name: str) -> BackendPlugin:
         """The backend of that name.
 
@@ -102,6 +122,14 @@ class PluginRegistry:
         """
         return self._find(PresetPlugin, name)
 
+    def command(self, name: str) -> CommandPlugin:
+        """The command of that name.
+
+        Raises:
+            NotInstalledError: There is none; the line says what is there.
+        """
+        return self._find(CommandPlugin, name)
+
     def create_conversion(
         self, msg_type: type, backend: str, accept: Callable[[Any], AcceptedT]
     ) -> AcceptedT | None:
@@ -124,8 +152,32 @@ class PluginRegistry:
         try:
             return accept(found.create())
         except Exception as error:
-            (owner,) = (record for record in self._plugins if found in record.descriptors)
-            raise PluginError(_says(found.kind, name, owner, one_line(error))) from error
+            failed = f"{self.owner_of(found).full_name} failed: {one_line(error)}"
+            raise PluginError(_says(found.kind, name, failed)) from error
+
+    def owner_of(self, descriptor: Descriptor) -> PluginRecord:
+        """The plugin that brings it."""
+        return next(record for record in self._plugins if descriptor in record.descriptors)
+
+    def check_strictly(self, records: Iterable[PluginRecord]) -> None:
+        """Takes no plugin that has failed, where the user has said so.
+
+        Raises:
+            PluginError: One has, and `ROSBASE_STRICT_PLUGINS` is set; the line names all.
+        """
+        failed = [f"{r.full_name} failed: {r.failure}" for r in records if r.status == "failed"]
+        if failed and self._switches.is_strict:
+            raise PluginError(f"{'; '.join(failed)} ({STRICT_VARIABLE} is set)")
+
+    @property
+    def missing(self) -> Mapping[str, str]:
+        """What this project has and is not there at all: the package, by what it would bring."""
+        packages = {record.distribution for record in self._plugins}
+        return {
+            f"{kind} '{name}'": package
+            for (kind, name), package in _OURS.items()
+            if kind != CheckPlugin.kind and package not in packages
+        }
 
     @staticmethod
     def is_ours(kind: str, name: str) -> bool:
@@ -150,19 +202,52 @@ class PluginRegistry:
         installed = sorted(self._by_kind.get(kind, {}))
         near = difflib.get_close_matches(name, installed, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
-        return f"no {kind} '{name}'; installed: {', '.join(installed) or 'none'}{hint}"
+        blocked = ", ".join(record.full_name for record in self._plugins if record.is_blocked)
+        # Nobody knows what they would bring.
+        unseen = f"; blocked by {BLOCK_VARIABLE}: {blocked}" if blocked else ""
+        return f"no {kind} '{name}'; installed: {', '.join(installed) or 'none'}{unseen}{hint}"
 
     def _why_not(self, kind: str, name: str) -> str:
-        """Which plugin failed that has it, or should have it, and why; empty if none did."""
+        """Which plugin failed or is blocked that has it, or should have it; empty if none is."""
         package = _OURS.get((kind, name))
         for record in self._plugins:
-            if record.failure and (record.distribution == package or f"'{name}'" in record.failure):
-                return _says(kind, name, record, record.failure)
+            is_owner = record.distribution == package
+            if record.failure and (is_owner or f"'{name}'" in record.failure):
+                return _says(kind, name, f"{record.full_name} failed: {record.failure}")
+            # What it would bring is not known: it has not been imported.
+            likely = record.name, record.candidate.package
+            if record.is_blocked and (is_owner or name.partition(".")[0] in likely):
+                return _says(kind, name, f"{record.full_name} is blocked by {BLOCK_VARIABLE}")
         return ""
 
 
-def _says(kind: str, name: str, record: PluginRecord, failure: str) -> str:
-    return f"{kind} '{name}' cannot be used: {record.full_name} failed: {failure}"
+def _load(candidates: list[Candidate], switches: PluginSwitches) -> list[PluginRecord]:
+    """What becomes of each of them, before they are compared with each other."""
+    manager = pluggy.PluginManager(hookspec.PROJECT_NAME)
+    manager.add_hookspecs(hookspec)
+    blocked = switches.choose_blocked(candidates)
+    return [
+        PluginRecord(candidate, is_blocked=True)
+        if candidate.full_name in blocked
+        else load_plugin(manager, candidate, _trace_of(candidate, switches))
+        for candidate in candidates
+    ]
+
+
+def _trace_of(candidate: Candidate, switches: PluginSwitches) -> Trace:
+    def trace(line: str) -> None:
+        if switches.traces:
+            try:
+                print(f"rosbase hooks: {candidate.full_name} {line}", file=sys.stderr)
+            except OSError:
+                # That nobody can hear it is no fault of the plugin.
+                pass
+
+    return trace
+
+
+def _says(kind: str, name: str, why: str) -> str:
+    return f"{kind} '{name}' cannot be used: {why}"
 
 
 def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
@@ -177,8 +262,8 @@ def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
             claims.setdefault((descriptor.kind, descriptor.name), []).append(record)
     failures: dict[str, str] = {}
     for (kind, name), claimants in claims.items():
-        core = any(record.distribution == _CORE for record in claimants)
-        owner = _OURS.get((kind, name), _CORE if core else "")
+        core = any(record.candidate.is_core for record in claimants)
+        owner = _OURS.get((kind, name), CORE if core else "")
         others = [record for record in claimants if record.distribution != owner]
         if owner and len(others) == len(claimants):
             failures |= {r.full_name: f"{kind} '{name}' is reserved for {owner}" for r in others}
@@ -196,5 +281,10 @@ def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
 
 @cache
 def installed_plugins() -> PluginRegistry:
-    """The registry of this process, loaded when first asked for."""
-    return PluginRegistry(find_candidates(ENTRY_POINT_GROUP))
+    """The registry of this process, loaded when first asked for, as the environment says.
+
+    Raises:
+        ConfigurationError: The environment says what cannot be.
+        PluginError: A plugin has failed, and `ROSBASE_STRICT_PLUGINS` is set.
+    """
+    return PluginRegistry(find_candidates(ENTRY_POINT_GROUP), PluginSwitches.from_environment())

@@ -1,0 +1,68 @@
+"""What `rosbase doctor` is told of the broker: whether it is there, and lets us read the topic."""
+
+from collections.abc import Iterable, Mapping
+
+from imu_mqtt.config import PASSWORD_VARIABLE, MqttConfig
+from imu_mqtt.connection import Connection, RefusedError, TlsError
+from rosbase.checks import CheckContext, Finding, Outcome
+from rosbase.clock import Clock
+from rosbase.errors import DeviceNotFoundError, ParameterError, TransportError
+from rosbase.parameters import ParameterValue
+
+__all__ = ["check_broker"]
+
+
+def check_broker(context: CheckContext) -> Iterable[Finding]:
+    """Connects and subscribes, as a reader would, and leaves no trace there."""
+    try:
+        config = _as_a_guest(context.values)
+    except ParameterError as refusal:
+        advice = "`rosbase imu --list-parameters` says what they take"
+        return [Finding(Outcome.FAIL, str(refusal), advice)]
+    error = _try(config, context.clock)
+    if error is None:
+        text = f"{config.address} is there, and lets us read {config.topic}"
+        return [Finding(Outcome.OK, text)]
+    if context.asks_for("mqtt", "server_address"):
+        return [Finding(Outcome.FAIL, str(error), _advice_on(error, config))]
+    if isinstance(error, DeviceNotFoundError):
+        advice = "if you have one elsewhere: -p server_address:=tcp://HOST:PORT"
+        return [Finding(Outcome.SKIP, f"{error}, and no other is named", advice)]
+    return [Finding(Outcome.WARN, str(error), _advice_on(error, config))]
+
+
+def _as_a_guest(values: Mapping[str, ParameterValue]) -> MqttConfig:
+    """With a name of its own: the broker would throw out who has the same, and tell others."""
+    client_id = f"{values['client_id']}-doctor" if values["client_id"] else ""
+    return MqttConfig.from_values({**values, "client_id": client_id, "status_topic": ""})
+
+
+def _try(config: MqttConfig, clock: Clock) -> TransportError | None:
+    """Connects and subscribes, and gives why that failed."""
+    try:
+        connection = Connection(config, clock, lambda message: None, lambda: True)
+    except TransportError as error:
+        return error
+    try:
+        connection.open()
+        connection.subscribe()
+    except TransportError as error:
+        return error
+    finally:
+        connection.close()
+    return None
+
+
+def _advice_on(error: TransportError, config: MqttConfig) -> str:
+    match error:
+        case DeviceNotFoundError():
+            return "start it, or name another: -p server_address:=tcp://HOST:PORT; or a firewall?"
+        case TlsError():
+            return "tls_ca_file names the certificate of who has signed the broker's"
+        case RefusedError():
+            who = f"as {config.username!r}" if config.username else "without a username"
+            return (
+                f"we come {who}: set username, and the password in {PASSWORD_VARIABLE} or"
+                " password_file; see whom the broker lets in, and to which topics"
+            )
+    return "see what the log of the broker says; is it one for MQTT?"

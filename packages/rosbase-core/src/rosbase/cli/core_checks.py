@@ -1,0 +1,60 @@
+"""What the core tells `rosbase doctor` of itself: the interpreter, and the plugins."""
+
+import platform
+import sys
+from collections.abc import Iterable
+
+from rosbase.checks import Finding, Outcome
+from rosbase.cli.list_plugins import what_of
+from rosbase.connection import BACKEND_VARIABLE, backend_name
+from rosbase.errors import NotInstalledError
+from rosbase.imu.settings import judged_plugins
+from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, PluginRegistry
+
+__all__ = ["check_plugins", "check_python"]
+
+
+def check_python() -> Iterable[Finding]:
+    """Which interpreter runs, on what; a warning where nobody has tried it."""
+    implementation, system = platform.python_implementation(), platform.system()
+    what = f"{implementation} {platform.python_version()} on {platform.platform()}"
+    yield Finding(Outcome.OK, f"{what}, {sys.executable}")
+    if implementation != "CPython":
+        yield Finding(
+            Outcome.WARN, f"rosbase is not tested on {implementation}", "use CPython 3.11 or newer"
+        )
+    if system != "Linux":
+        yield Finding(
+            Outcome.WARN,
+            f"rosbase is not tested on {system or 'this system'}",
+            "use Linux where something does not work: serial ports and child processes need POSIX",
+        )
+
+
+def check_plugins(registry: PluginRegistry) -> Iterable[Finding]:
+    """What became of each plugin, what is not installed, and whether the backend is there."""
+    for record in judged_plugins(registry):
+        yield _finding_of(record)
+    for what, package in registry.missing.items():
+        yield Finding(Outcome.SKIP, f"{what} is not installed", f"pip install {package}")
+    try:
+        registry.backend(backend_name())
+    except NotInstalledError as error:
+        advice = f"set {BACKEND_VARIABLE} to one of {', '.join(registry.backends)}, or unset it"
+        yield Finding(Outcome.FAIL, f"{BACKEND_VARIABLE}: {error}", advice)
+
+
+def _finding_of(record: PluginRecord) -> Finding:
+    text = f"{record.full_name} {record.version}, {record.status}: {what_of(record)}"
+    match record.status:
+        case "active":
+            return Finding(Outcome.OK, text)
+        case "blocked":
+            return Finding(Outcome.SKIP, text, f"take it out of {BLOCK_VARIABLE} to have it back")
+    name = record.distribution
+    return Finding(
+        Outcome.FAIL,
+        text,
+        f"repair it (pip install --force-reinstall {name}), remove it (pip uninstall {name}),"
+        f" or leave it out ({BLOCK_VARIABLE}={record.full_name})",
+    )

@@ -1,0 +1,71 @@
+"""Runs checks side by side, so that one which raises or hangs costs the others nothing."""
+
+import threading
+from collections.abc import Iterator
+
+from rosbase.checks import CheckContext, Finding, Outcome
+from rosbase.errors import PluginError
+from rosbase.plugins import BLOCK_VARIABLE, CheckPlugin, PluginRecord, PluginRegistry
+
+__all__ = ["examine"]
+
+
+def examine(
+    registry: PluginRegistry, context: CheckContext, limit_s: float
+) -> Iterator[tuple[str, Finding]]:
+    """What the installed checks find, the core's first: the name of the check, and a finding.
+
+    Args:
+        registry: Who has the checks.
+        context: What each is given.
+        limit_s: How long they may take, all together.
+    """
+    checks = list(registry.checks.values())
+    runs = [_Run(check, registry.owner_of(check), context) for check in checks]
+    runs.sort(key=lambda run: not run.owner.candidate.is_core)
+    deadline_ns = context.clock.monotonic_ns() + int(limit_s * 1e9)
+    for run in runs:
+        left_s = (deadline_ns - context.clock.monotonic_ns()) / 1e9
+        for finding in run.findings(max(left_s, 0.0), limit_s):
+            yield run.name, finding
+
+
+class _Run:
+    """One check at work, on a thread of its own."""
+
+    def __init__(self, check: CheckPlugin, owner: PluginRecord, context: CheckContext) -> None:
+        self.name = check.name
+        self.owner = owner
+        self._check = check
+        self._context = context
+        self._found: list[Finding] = []
+        # A daemon: one that hangs must not keep the process.
+        self._thread = threading.Thread(target=self._run, name=f"check-{check.name}", daemon=True)
+        self._thread.start()
+
+    def findings(self, timeout_s: float, limit_s: float) -> list[Finding]:
+        """What it has found; that it hangs, if it is not at its end in time."""
+        self._thread.join(timeout_s)
+        found = list(self._found)
+        if self._thread.is_alive():
+            found.append(self._blame(f"the check has not ended within {limit_s:g} s"))
+        return found
+
+    def _run(self) -> None:
+        try:
+            for finding in self._check.run(self._context):
+                if not isinstance(finding, Finding):
+                    raise PluginError(f"it must yield Finding, not {type(finding).__name__}")
+                self._found.append(finding)
+        except BaseException as error:
+            # Base: a library may call sys.exit().
+            self._found.append(self._blame(f"the check failed: {type(error).__name__}: {error}"))
+
+    def _blame(self, text: str) -> Finding:
+        owner = self.owner
+        return Finding(
+            Outcome.FAIL,
+            text,
+            f"tell those who make {owner.distribution} {owner.version};"
+            f" {BLOCK_VARIABLE}={owner.full_name} leaves it out",
+        )

@@ -1,0 +1,136 @@
+"""What `rosbase doctor` says of the broker."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from imu_mqtt import connection
+from imu_mqtt.check import check_broker
+from imu_mqtt.config import PARAMETERS, PASSWORD_VARIABLE
+from imu_mqtt.simulator import EmbeddedBroker
+from rosbase.checks import CheckContext, Finding, Outcome
+from rosbase.clock import SystemClock
+from rosbase.parameters import ParameterValue
+from support.certificates import Authority
+from support.mosquitto import Mosquitto, free_port, is_installed, set_password
+from support.mosquitto_rig import MosquittoRig
+from support.mqtt import ScriptedBroker, refuses, says_nothing
+from support.mqtt_rig import elapsed
+
+needs_mosquitto = pytest.mark.skipif(not is_installed(), reason="mosquitto is not installed")
+DEFAULTS = {"comm_t": "serial", **{spec.name: spec.default for spec in PARAMETERS}}
+
+
+def finding(**given: ParameterValue) -> Finding:
+    (found,) = check_broker(CheckContext(SystemClock(), DEFAULTS | given, frozenset(given)))
+    return found
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[MosquittoRig]:
+    rig = MosquittoRig(tmp_path)
+    yield rig
+    rig.close()
+
+
+@pytest.fixture
+def guarded(tmp_path: Path) -> Iterator[Mosquitto]:
+    """A broker that lets in `imu`, whose password is `right`."""
+    set_password(tmp_path / "passwords", "imu", "right")
+    more = f"allow_anonymous false\npassword_file {tmp_path / 'passwords'}"
+    broker = Mosquitto(tmp_path, more=more)
+    yield broker
+    broker.stop()
+
+
+def test_a_broker_that_is_there_and_lets_us_read_is_fine(embedded: EmbeddedBroker) -> None:
+    assert finding(server_address=embedded.address) == Finding(
+        Outcome.OK, f"{embedded.address} is there, and lets us read esp32/imu"
+    )
+
+
+def test_a_broker_that_is_asked_for_and_absent_fails() -> None:
+    address = f"tcp://127.0.0.1:{free_port()}"
+    found = finding(server_address=address)
+    assert (found.outcome, found.text) == (Outcome.FAIL, f"there is no broker at {address}")
+    assert "start it" in found.advice
+
+
+def test_a_broker_that_nobody_has_asked_for_may_be_absent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(DEFAULTS, "server_address", f"tcp://127.0.0.1:{free_port()}")
+    found = finding()
+    assert found.outcome is Outcome.SKIP
+    assert "-p server_address:=" in found.advice
+    assert finding(comm_t="mqtt").outcome is Outcome.FAIL
+
+
+def test_a_broker_that_nobody_has_asked_for_and_refuses_is_a_warning(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with ScriptedBroker(refuses(5)) as broker:
+        monkeypatch.setitem(DEFAULTS, "server_address", broker.address)
+        assert finding().outcome is Outcome.WARN
+
+
+@needs_mosquitto
+def test_a_wrong_password_fails_and_is_not_told(
+    guarded: Mosquitto, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(PASSWORD_VARIABLE, "hush")
+    nobody = finding(server_address=guarded.address)
+    wrong = finding(server_address=guarded.address, username="imu")
+    monkeypatch.setenv(PASSWORD_VARIABLE, "right")
+    right = finding(server_address=guarded.address, username="imu")
+    assert [f.outcome for f in (nobody, wrong, right)] == [
+        Outcome.FAIL,
+        Outcome.FAIL,
+        Outcome.OK,
+    ]
+    assert wrong.text == f"{guarded.address} refuses us: Not authorized"
+    assert "without a username" in nobody.advice
+    assert "as 'imu'" in wrong.advice
+    assert PASSWORD_VARIABLE in wrong.advice
+    assert "hush" not in wrong.text + wrong.advice
+
+
+@needs_mosquitto
+def test_a_certificate_that_nobody_here_trusts_fails_with_what_to_trust(
+    rig: MosquittoRig,
+) -> None:
+    certificate, key = Authority(rig.folder, "authority").sign("server", host="DNS:localhost")
+    broker = rig.broker(f"certfile {certificate}", f"keyfile {key}")
+    address = f"mqtts://localhost:{broker.port}"
+    untrusted = finding(server_address=address)
+    assert untrusted.outcome is Outcome.FAIL
+    assert "TLS fails" in untrusted.text
+    assert "tls_ca_file" in untrusted.advice
+    trusted = finding(server_address=address, tls_ca_file=str(rig.folder / "authority.pem"))
+    assert trusted.outcome is Outcome.OK
+
+
+@needs_mosquitto
+def test_a_reader_that_is_connected_is_not_disturbed(rig: MosquittoRig) -> None:
+    broker = rig.broker()
+    own = {"client_id": "imu", "status_topic": "imu/status"}
+    transport = rig.started(broker.address, **own)
+    rig.prove(broker)
+    assert finding(server_address=broker.address, **own).outcome is Outcome.OK
+    rig.prove(broker)
+    assert transport.health.reconnects == 0
+    assert broker.kept("imu/status") == b"online"
+
+
+def test_values_that_contradict_each_other_fail_in_one_line() -> None:
+    found = finding(server_address="tcp://a:b@host")
+    assert found.outcome is Outcome.FAIL
+    assert "takes no user and no password" in found.text
+    assert found.advice
+
+
+def test_a_broker_that_says_nothing_fails_in_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "CONNECT_TIMEOUT_S", 0.2)
+    with ScriptedBroker(says_nothing) as broker:
+        took_s = elapsed(lambda: finding(server_address=broker.address))
+        assert took_s < 2.0
+        assert finding(server_address=broker.address).outcome is Outcome.FAIL
