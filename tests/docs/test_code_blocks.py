@@ -19,6 +19,7 @@ PAGES = sorted(
     [
         *ROOT.glob("*.md"),
         *ROOT.glob("docs/*.md"),
+        *ROOT.glob("docs/reference/*.md"),
         *ROOT.glob("docs/examples/*/*.md"),
         *ROOT.glob("packages/*/*.md"),
         ROOT / "tests/README.md",
