@@ -31,6 +31,7 @@ TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-x
 # Most tests wait for something; two processes wait side by side.
 PYTEST = ["pytest", "-q", "-n", "2"]
 LINTERS = ["ruff==0.17.6"]
+SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
 OLDEST = "3.11"
 
 
@@ -98,10 +99,16 @@ def authors(session: nox.Session) -> None:
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
 def docs(session: nox.Session) -> None:
-    """Every code block of the READMEs and the documentation, run."""
-    session.install(*TEST_TOOLS)
+    """Every code block of the READMEs and the documentation, run; then the site is built."""
+    session.install(*TEST_TOOLS, *SITE_TOOLS)
     _install_wheels(session, *DISTRIBUTIONS)
-    session.run("pytest", "-q", "tests/docs", *session.posargs)
+    # What it declares is on the site; to say so, it needs no ROS.
+    session.install("--no-deps", str(PACKAGES / "rosbase-ros2"))
+    session.run(*PYTEST, "tests/docs", *session.posargs)
+    made = Path(session.create_tmp()).resolve()
+    options = ["-q", "-n", "-W", "--keep-going", "-E", "-d", str(made / "pages")]
+    session.run("sphinx-build", *options, "docs", str(made / "site"))
+    session.log(f"the site: {made / 'site' / 'index.html'}")
 
 
 @nox.session
@@ -120,6 +127,7 @@ def typing(session: nox.Session) -> None:
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in ("core", "imu_serial", "imu_mqtt", "ros2", "integration", "docs", "benchmarks"):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
+    session.run("mypy", "docs/conf.py", "docs/generators")
     for example in sorted(EXAMPLES.glob("*/")):
         # One by one: each is run from its own folder, and module names repeat.
         session.run("mypy", str(example), env={"MYPYPATH": str(example)})

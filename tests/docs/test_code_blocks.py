@@ -1,99 +1,53 @@
 """Every code block of the documentation runs, or says why it does not."""
 
-import os
-import re
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
 from rosbase.cli.arguments import check_given, read_given
 from rosbase.imu.settings import read_settings, reader_parameters
 from rosbase.plugins import installed_plugins
-
-ROOT = Path(__file__).parents[2]
-PAGES = sorted(
-    [
-        *ROOT.glob("*.md"),
-        *ROOT.glob("docs/*.md"),
-        *ROOT.glob("docs/reference/*.md"),
-        *ROOT.glob("docs/examples/*/*.md"),
-        *ROOT.glob("packages/*/*.md"),
-        ROOT / "tests/README.md",
-    ]
-)
-BLOCK = re.compile(
-    r"(?:<!-- not run: (?P<reason>.+?) -->\n)?```(?P<kind>\w*)\n(?P<text>.*?)```", re.S
-)
-
-
-class Block(NamedTuple):
-    """A fenced block of a page."""
-
-    kind: str
-    text: str
-    reason: str
-
-
-BLOCKS = {
-    f"{page.relative_to(ROOT)}:{number}": Block(m["kind"], m["text"], m["reason"] or "")
-    for page in PAGES
-    for number, m in enumerate(BLOCK.finditer(page.read_text()), start=1)
-}
+from support.code_blocks import BLOCKS, ROOT
+from support.code_runs import run_commands, run_python
 
 
 def of_kind(kind: str) -> list[str]:
-    return [name for name, block in BLOCKS.items() if block.kind == kind and not block.reason]
+    return [name for name, block in BLOCKS.items() if block.kind == kind and block.is_run_here]
 
 
 def test_every_block_is_of_a_kind_that_is_checked() -> None:
-    # The diagrams are checked by tests/integration/test_examples.py.
-    kinds = {"bash", "mermaid", "python", "text", "toml"}
+    # Diagrams are checked by tests/integration/test_examples.py, units for systemd and parameters
+    # for nav2 by tests/ros2/test_documentation.py.
+    kinds = {"bash", "ini", "mermaid", "python", "text", "toml", "yaml"}
     assert {block.kind for block in BLOCKS.values()} <= kinds
-    assert len(BLOCKS) >= 8
+    assert len(BLOCKS) >= 40
+
+
+def test_what_is_said_above_a_block_is_understood() -> None:
+    known = ("not run: ", "on ROS 2", "device", "prints")
+    assert all(b.says.startswith(known) for b in BLOCKS.values() if b.says)
+
+
+def test_files_of_the_template_are_where_tests_authors_looks_for_them() -> None:
+    pages = {
+        block.page.relative_to(ROOT).as_posix() for block in BLOCKS.values() if block.is_of_template
+    }
+    assert pages <= {"docs/plugins/first-transport.md"}
 
 
 @pytest.mark.parametrize("name", of_kind("python"))
-def test_python_runs(name: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", BLOCKS[name].text],
-        capture_output=True,
-        text=True,
-        timeout=50,
-        check=False,
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout
+def test_python_runs(name: str, tmp_path: Path) -> None:
+    run_python(BLOCKS[name], tmp_path)
 
 
 @pytest.mark.parametrize("name", of_kind("bash"))
-def test_commands_run(name: str) -> None:
-    # What is installed is installed already, and this test must not run all tests.
-    commands = [
-        part.strip()
-        for line in BLOCKS[name].text.splitlines()
-        for part in line.split("&&")
-        if not part.strip().startswith("pip install") and part.strip() != "nox"
-    ]
-    bin_folder = str(Path(sys.executable).parent)
-    for command in commands:
-        done = subprocess.run(
-            command,
-            shell=True,
-            cwd=ROOT,
-            env={**os.environ, "PATH": f"{bin_folder}:{os.environ['PATH']}"},
-            capture_output=True,
-            text=True,
-            timeout=50,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
+def test_commands_run(name: str, tmp_path: Path) -> None:
+    run_commands(BLOCKS[name], tmp_path)
 
 
-@pytest.mark.parametrize("name", of_kind("toml"))
+# The entry point on the page of hooks is checked by test_hooks_page.py.
+@pytest.mark.parametrize("name", [n for n in of_kind("toml") if "[project" not in BLOCKS[n].text])
 def test_parameter_files_describe_a_reader(name: str, tmp_path: Path) -> None:
     file = tmp_path / "imu.toml"
     file.write_text(BLOCKS[name].text)

@@ -1,0 +1,64 @@
+"""How Sphinx makes the documentation site: `nox -s docs`. It needs no network."""
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from rosbase.plugins import installed_plugins
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from generators import capabilities, docstrings, lifecycle, names
+
+project = "rosbase"
+author = "The rosbase authors"
+html_title = "rosbase"
+html_theme = "furo"
+html_copy_source = False
+html_show_sphinx = False
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+# The examples are programs with pages of their own, to be read beside their code.
+exclude_patterns = ["examples", "generators", "template"]
+
+# Markdown. Directives stand between colons, so that what stands between backticks is code to run.
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 3
+
+# Docstrings: Google style; what stands in single backticks is code.
+default_role = "code"
+autodoc_default_options = {"members": True}
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+autoclass_content = "both"
+napoleon_numpy_docstring = False
+python_use_unqualified_type_names = True
+
+# Every name in a signature leads somewhere, but for those that others document.
+nitpicky = True
+nitpick_ignore_regex = [
+    (r"py:.*", r"(_thread|abc|argparse|collections|enum|logging|pathlib|random|threading)\..*"),
+    # What only rosbase itself makes.
+    (r"py:class", r"rosbase\.(local|plugins\.discovery|plugins\.switches|processes\.launch)\..*"),
+    # Types that stand for any.
+    (r"py:.*", r"[\w.]+[a-z]T"),
+]
+
+GENERATED = {
+    "capabilities": lambda: capabilities.tables(installed_plugins()),
+    "lifecycle diagram": lifecycle.diagram,
+    "lifecycle table": lifecycle.table,
+}
+
+
+def fill_in(app: Any, page: str, source: list[str]) -> None:
+    """Puts what is made from the code where a page says `<!-- generated: its name -->`."""
+    source[0] = re.sub(r"<!-- generated: (.+?) -->", lambda match: GENERATED[match[1]](), source[0])
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", fill_in)
+    app.connect("missing-reference", names.find_public)
+    # Before napoleon, which reads what is left.
+    app.connect("autodoc-process-docstring", docstrings.prepare, priority=400)

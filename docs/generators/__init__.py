@@ -1,0 +1,1 @@
+"""What the pages of the site show that is made from the code, and how docstrings become pages."""

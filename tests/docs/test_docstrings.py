@@ -1,0 +1,95 @@
+"""The code in docstrings does what it says."""
+
+import ast
+import inspect
+import re
+from pathlib import Path
+from typing import Any
+
+from generators import docstrings
+from rosbase import errors, fsm
+from rosbase.lifecycle import CallbackReturn, machine
+from rosbase.testing import TransportContract
+
+PACKAGES = Path(__file__).parents[2] / "packages"
+NODES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def code_in(docstring: str) -> str:
+    """Its indented and fenced lines."""
+    lines = docstring.splitlines()
+    docstrings.prepare(None, "module", "", None, None, lines)
+    start = lines.index("::") + 2 if "::" in lines else len(lines)
+    indented = [line for line in lines[start:] if line.startswith("    ")]
+    return "\n".join(line[4:] for line in indented)
+
+
+def code_of(documented: object) -> str:
+    return code_in(inspect.getdoc(documented) or "")
+
+
+def test_every_docstring_with_code_is_tested_here() -> None:
+    found = {
+        file.as_posix().split("/src/")[1]
+        for file in PACKAGES.glob("*/src/**/*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, NODES) and code_in(ast.get_docstring(node) or "")
+    }
+    assert found == {
+        "rosbase/errors.py",
+        "rosbase/fsm/__init__.py",
+        "rosbase/lifecycle/machine.py",
+        "rosbase/testing/transport_contract.py",
+    }
+
+
+def test_the_tree_of_errors_is_the_tree_of_classes() -> None:
+    drawn: dict[str, str] = {}
+    path: list[str] = []
+    for line in code_of(errors).splitlines():
+        found = re.search(r"\w+", line)
+        assert found is not None
+        del path[found.start() // 4 :]
+        drawn[found[0]] = path[-1] if path else "Exception"
+        path.append(found[0])
+    bases = {name: getattr(errors, name).__base__.__name__ for name in errors.__all__}
+    assert drawn == bases
+
+
+def test_the_steps_of_the_lifecycle_machine_are_those_of_the_comments() -> None:
+    names: dict[str, Any] = {"machine": machine.Machine(), "CallbackReturn": CallbackReturn}
+    for line in code_of(machine).splitlines():
+        code, _, steps = line.partition("#")
+        exec(code, names)
+        event = names["event"]
+        assert steps.strip() == f"{event.start.label} -> {event.goal.label}"
+
+
+def test_the_machine_of_the_task_goes_back_and_forth() -> None:
+    class Stub:
+        target: Any = None
+        closed = 0
+
+        def close(self) -> None:
+            self.closed += 1
+
+    stub = Stub()
+    names: dict[str, Any] = {**vars(fsm), "tracker": stub, "gripper": stub}
+    exec(code_of(fsm), names)
+    task = names["machine"]
+    task.step()
+    assert task.state == "search"
+    stub.target = "cup"
+    task.step()
+    assert task.state == "grasp"
+    stub.target = None
+    for _ in range(30):
+        task.step()
+    assert task.state == "search"
+    assert stub.closed >= 20
+
+
+def test_the_contract_is_subclassed_as_it_says() -> None:
+    names: dict[str, Any] = {"TransportContract": TransportContract}
+    exec(code_of(TransportContract), names)
+    assert names["TestUdp"].transport == "udp"

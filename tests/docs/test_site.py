@@ -1,0 +1,108 @@
+"""What the site shows of the code is all of it. That it can be built, `nox -s docs` shows."""
+
+import pkgutil
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import rosbase
+from generators import capabilities, docstrings, lifecycle
+from rosbase.lifecycle import TRANSITIONS, State
+from rosbase.plugins import PresetPlugin, installed_plugins
+from support.code_blocks import PAGES, ROOT
+
+DOCS = ROOT / "docs"
+API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
+# What neither programs nor plugins are meant to import.
+INTERNAL = {"__main__", "cli", "connection", "imu", "local", "shutdown", "stopping", "wake_pipe"}
+
+REGISTRY = installed_plugins()
+TABLES = capabilities.tables(REGISTRY)
+
+
+def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
+    modules = {module.name for module in pkgutil.iter_modules(rosbase.__path__)} - INTERNAL
+    shown = set(re.findall(r"automodule:: rosbase\.(\w+)$", API, re.M))
+    assert modules == shown
+
+
+def test_every_name_of_the_package_is_in_the_api() -> None:
+    for name in rosbase.__all__:
+        home = getattr(rosbase, name)
+        module = getattr(home, "__module__", "rosbase.qos")
+        assert any(module.startswith(m) for m in re.findall(r"automodule:: (\S+)", API)), name
+
+
+def test_the_drawing_has_every_state_and_every_transition() -> None:
+    drawing = ElementTree.fromstring(lifecycle.diagram())
+    texts = [text.text for text in drawing.iter("{http://www.w3.org/2000/svg}text")]
+    assert {state.label for state in State if state is not State.UNKNOWN} <= set(texts)
+    arrows = [path.get("data-id") for path in drawing.iter("{http://www.w3.org/2000/svg}path")]
+    assert set(filter(None, arrows)) == {str(transition.id) for transition in TRANSITIONS}
+    assert {t.label for t in TRANSITIONS if t.is_public} <= set(texts)
+
+
+def test_the_table_has_every_transition_in_order() -> None:
+    rows = lifecycle.table().splitlines()[2:]
+    assert [row.split("|")[1].strip() for row in rows] == [str(t.id) for t in TRANSITIONS]
+
+
+@pytest.mark.parametrize("kind", ["backends", "transports", "presets", "checks"])
+def test_every_installed_plugin_is_among_the_capabilities(kind: str) -> None:
+    for name, found in getattr(REGISTRY, kind).items():
+        assert f"| `{name}` | {found.summary} |" in TABLES
+
+
+def test_a_transports_capabilities_are_what_it_declares() -> None:
+    columns = ["which device", "waits for it with"]
+    head, row = (
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in TABLES.split("## Transports\n")[1].split("\n## ")[0].splitlines()
+        if line.startswith(("| transport |", "| `serial` |"))
+    )
+    shown = dict(zip(head, row, strict=True))
+    assert [shown[column] for column in columns] == ["`device_path`", "`wait_for_device`"]
+    assert (shown["`simulate`"], shown["wheel"]) == ("yes", "imu-serial")
+
+
+def test_every_parameter_of_a_transport_is_among_the_capabilities() -> None:
+    for transport in REGISTRY.transports.values():
+        section = TABLES.split(f"## Parameters of the transport `{transport.name}`\n")[1]
+        for spec in transport.parameters:
+            assert f"| `{spec.name}` |" in section.split("\n## ")[0]
+
+
+def test_a_bar_in_a_description_does_not_end_its_cell() -> None:
+    preset = PresetPlugin("odd", "left|right", {})
+    assert "left\\|right" in capabilities.table(["preset"], [[preset.summary]])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_to_a_file(page: Path) -> None:
+    for link in re.findall(r"\]\(([^)#\s]+)", page.read_text()):
+        assert "://" in link or (page.parent / link).exists(), link
+
+
+def prepared(text: str, what: str = "class") -> list[str]:
+    lines = text.splitlines()
+    docstrings.prepare(None, what, "name", None, None, lines)
+    return lines
+
+
+def test_indented_and_fenced_lines_of_a_docstring_are_code() -> None:
+    assert prepared("Text.\n\n    x = 1\n\n        y\n\nMore.") == [
+        *("Text.", "", "::", "", "    x = 1", "", "        y", "", "More.")
+    ]
+    assert prepared("Text.\n\n```\nx\n```") == ["Text.", "", "::", "", "    x", ""]
+
+
+def test_a_section_of_a_docstring_is_no_code() -> None:
+    text = "Text.\n\nArgs:\n    x: One.\n\nRaises:\n    ValueError: Two."
+    assert prepared(text) == text.splitlines()
+
+
+def test_the_text_of_a_field_is_no_type() -> None:
+    assert prepared("When: now.", "attribute") == ["\\", "When: now."]
+    assert prepared("When: now.") == ["When: now."]
