@@ -51,9 +51,12 @@ class Peer:
     def __init__(self, sock: socket.socket) -> None:
         self._sock = sock
         self._stream = sock.makefile("rb")
+        # What is published must not come between the halves of an answer.
+        self._lock = threading.Lock()
 
     def send(self, data: bytes) -> None:
-        self._sock.sendall(data)
+        with self._lock:
+            self._sock.sendall(data)
 
     def receive(self) -> tuple[int, bytes]:
         """The next packet's first byte and body. Raises EOFError when there is none."""

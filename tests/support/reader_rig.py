@@ -10,8 +10,8 @@ from rosbase.lifecycle import CallbackReturn
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Imu, MagneticField
 from rosbase.plugins import installed_plugins
-from rosbase.testing import ManualClock
-from support.transports import ScriptedRegistry, ScriptedTransport
+from rosbase.testing import ManualClock, ScriptedTransport
+from support.transports import ScriptedRegistry
 
 __all__ = ["Rig"]
 

@@ -1,4 +1,4 @@
-"""A transport whose device is the test."""
+"""The scripted transport, as a plugin."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,65 +6,8 @@ from typing import Any
 from rosbase.errors import TransportError
 from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.plugins import TransportPlugin
-from rosbase.transport import (
-    OnFrame,
-    Transport,
-    TransportContext,
-    TransportHealth,
-    TransportState,
-)
-
-
-class ScriptedTransport(Transport):
-    """Hands over what the test gives it, on the test's thread, and notes the calls."""
-
-    def __init__(self, values: Mapping[str, ParameterValue], context: TransportContext) -> None:
-        self.values = values
-        self.context = context
-        self.calls: list[str] = []
-        self.failure: TransportError | None = None
-        self.frame_errors: dict[str, int] = {}
-        self.state = TransportState.CLOSED
-        self.last_data_ns: int | None = None
-        self._on_frame: OnFrame | None = None
-
-    def open(self) -> None:
-        self.calls.append("open")
-        if self.failure is not None:
-            raise self.failure
-        self.state = TransportState.CONNECTED
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.calls.append("start")
-        self._on_frame = on_frame
-
-    def stop(self) -> None:
-        self.calls.append("stop")
-        self._on_frame = None
-
-    def close(self) -> None:
-        self.calls.append("close")
-        self._on_frame = None
-        self.state = TransportState.CLOSED
-
-    @property
-    def is_open(self) -> bool:
-        return self.state is TransportState.CONNECTED
-
-    @property
-    def health(self) -> TransportHealth:
-        return TransportHealth(
-            state=self.state,
-            frame_errors=self.frame_errors,
-            last_data_ns=self.last_data_ns,
-            last_error=str(self.failure or ""),
-        )
-
-    def deliver(self, frame: bytes, stamp_ns: int = 0) -> None:
-        """One frame from the device."""
-        assert self._on_frame is not None, "the reader has not been started"
-        self.last_data_ns = self.context.clock.monotonic_ns()
-        self._on_frame(frame, stamp_ns)
+from rosbase.testing import ScriptedTransport
+from rosbase.transport import TransportContext
 
 
 class ScriptedRegistry:

@@ -220,6 +220,15 @@ class Connection:
 
     def close(self) -> None:
         """Says goodbye, if the network takes it at once, and disconnects."""
+        try:
+            self._say_goodbye()
+        finally:
+            self._client.disconnect()
+            if self._wrapper.made is not None:
+                # paho closes it when the broker does, which may be never.
+                self._wrapper.made.close()
+
+    def _say_goodbye(self) -> None:
         if self._config.status_topic and self._client.is_connected():
             self._say(_OFFLINE)
         deadline_ns = self._clock.monotonic_ns() + int(_GOODBYE_S * 1e9)
@@ -230,10 +239,6 @@ class Connection:
         except TransportError:
             # Whatever it was, it is over.
             pass
-        self._client.disconnect()
-        if self._wrapper.made is not None:
-            # paho closes it when the broker does, which may be never.
-            self._wrapper.made.close()
 
     def _dial(self) -> TransportError | None:
         """Connects; gives why that failed, without the traceback, for it holds a socket."""

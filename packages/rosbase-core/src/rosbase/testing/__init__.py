@@ -11,17 +11,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rosbase.testing.backend import virtual_backend
     from rosbase.testing.clock import ManualClock
+    from rosbase.testing.faults import Faults
+    from rosbase.testing.framer_contract import FramerContract
     from rosbase.testing.promise import BrokenPromiseError, Promise
+    from rosbase.testing.recorded_log import RecordedLog
     from rosbase.testing.recording import Received, RecordingSubscriber
-    from rosbase.testing.transport_capabilities import TransportCapabilities
+    from rosbase.testing.scripted_transport import ScriptedTransport
+    from rosbase.testing.transport_capabilities import FullPeer, TransportCapabilities
     from rosbase.testing.transport_contract import TransportContract
 
 __all__ = [
     "BrokenPromiseError",
+    "Faults",
+    "FramerContract",
+    "FullPeer",
     "ManualClock",
     "Promise",
     "Received",
+    "RecordedLog",
     "RecordingSubscriber",
+    "ScriptedTransport",
     "TransportCapabilities",
     "TransportContract",
     "virtual_backend",
@@ -29,10 +38,15 @@ __all__ = [
 
 _HOMES = {
     "BrokenPromiseError": "promise",
+    "Faults": "faults",
+    "FramerContract": "framer_contract",
+    "FullPeer": "transport_capabilities",
     "ManualClock": "clock",
     "Promise": "promise",
     "Received": "recording",
+    "RecordedLog": "recorded_log",
     "RecordingSubscriber": "recording",
+    "ScriptedTransport": "scripted_transport",
     "TransportCapabilities": "transport_capabilities",
     "TransportContract": "transport_contract",
     "virtual_backend": "backend",

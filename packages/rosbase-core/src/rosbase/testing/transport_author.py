@@ -57,9 +57,9 @@ class TransportAuthor:
     """How much memory a transport may use while four times as much arrives."""
     cycles: ClassVar[int] = 10
     """How often what must leak nothing is done."""
-    machine_examples: ClassVar[int] = 10
+    machine_examples: ClassVar[int] = 30
     """How many histories the state machine tries."""
-    machine_steps: ClassVar[int] = 12
+    machine_steps: ClassVar[int] = 15
     """How long each of them is."""
 
     def make_peer(self) -> SimulatedDevice:

@@ -17,6 +17,8 @@ __all__ = ["CallChecks"]
 
 _CALLERS = 4
 _CALLS = 25
+# What must not happen is given so long to happen.
+_AGAIN_S = 0.1
 
 
 class CallChecks(TransportAuthor):
@@ -141,13 +143,15 @@ class CallChecks(TransportAuthor):
             in_time = visitor.has_left.wait(self.call_limit_s)
             bench.require(in_time, f"the calls from within on_frame took {self.call_limit_s:g} s")
             bench.require(not visitor.failure, visitor.failure)
+            visitor.is_back.wait(_AGAIN_S)
+            seen = f"on_frame was called again although it called {ending}"
+            bench.require(visitor.calls == 1, seen)
             if ending == "close":
                 bench.wait_until(
                     lambda made=transport: made.state is TransportState.CLOSED,  # type: ignore[misc]
                     "health.state to be CLOSED after a close from within on_frame",
                 )
             bench.prove(peer, transport)
-            seen = f"on_frame was called {visitor.calls} times although it called {ending}"
             bench.require(visitor.calls == 1, seen)
 
     @check()
@@ -202,12 +206,14 @@ class _Visitor:
     def __init__(self, transport: Transport, ending: str) -> None:
         self.calls = 0
         self.failure = ""
-        self.has_left = threading.Event()
+        self.has_left, self.is_back = threading.Event(), threading.Event()
         self._transport = transport
         self._ending = ending
 
     def __call__(self, frame: bytes, stamp_ns: int) -> None:
         self.calls += 1
+        if self.calls > 1:
+            self.is_back.set()
         transport = self._transport
         try:
             transport.open()

@@ -145,6 +145,8 @@ class _Machine(RuleBasedStateMachine):
         self.is_open = self.is_started = True
         if self.is_in_doubt:
             self._wait_for_return()
+        # Seen now, what a start leads to is seen in far more histories.
+        self._data()
 
     def _call_without_device(self, name: str, *arguments: object) -> None:
         """It must fail if nothing was open; otherwise it may."""

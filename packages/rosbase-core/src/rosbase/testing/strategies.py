@@ -1,0 +1,56 @@
+"""Strategies for hypothesis: what devices send, well and badly."""
+
+import json
+from itertools import pairwise
+
+from hypothesis import strategies as st
+
+__all__ = ["chunkings", "imu_samples", "junk", "payloads", "streams"]
+
+_NUMBERS = st.floats(-1_000, 1_000).map(lambda number: round(number, 6))
+_VECTORS = st.fixed_dictionaries(dict.fromkeys("xyz", _NUMBERS))
+
+
+def imu_samples() -> st.SearchStrategy[bytes]:
+    """Samples of an IMU as the default mapping reads them: JSON, on one line."""
+    samples = st.fixed_dictionaries(
+        {"angular_velocity": _VECTORS, "linear_acceleration": _VECTORS},
+        optional={"header": st.fixed_dictionaries({"stamp": _stamps()})},
+    )
+    return samples.map(lambda sample: json.dumps(sample).encode())
+
+
+def payloads(max_size: int = 200) -> st.SearchStrategy[bytes]:
+    """What fits on a line: any text without line breaks, and without blanks around it."""
+    texts = st.text(
+        st.characters(exclude_categories=["Cc", "Cs", "Zs", "Zl", "Zp"]),
+        min_size=1,
+        max_size=max_size // 4,
+    )
+    return texts.map(str.encode) | imu_samples().filter(lambda sample: len(sample) <= max_size)
+
+
+def junk(max_size: int = 100) -> st.SearchStrategy[bytes]:
+    """What a line that is disturbed, or a device that boots, may send."""
+    pieces = st.sampled_from([b"\r", b"\n", b"\x00", b" ", b"\xff", b"{", b'"', b"ets Jul 29 2019"])
+    return st.lists(pieces | st.binary(max_size=8), max_size=max_size // 8).map(b"".join)
+
+
+def streams(frames: st.SearchStrategy[bytes]) -> st.SearchStrategy[bytes]:
+    """Encoded frames with junk, and with parts of frames, between them."""
+    parts = frames.flatmap(lambda frame: st.integers(0, len(frame)).map(lambda n: frame[:n]))
+    return st.lists(frames | parts | junk(), max_size=8).map(b"".join)
+
+
+@st.composite
+def chunkings(draw: st.DrawFn, data: bytes) -> list[bytes]:
+    """The same bytes, cut anywhere."""
+    cuts = draw(st.lists(st.integers(0, len(data)), max_size=20))
+    edges = [0, *sorted(cuts), len(data)]
+    return [data[start:end] for start, end in pairwise(edges)]
+
+
+def _stamps() -> st.SearchStrategy[dict[str, int]]:
+    return st.fixed_dictionaries(
+        {"sec": st.integers(0, 2**31 - 1), "nanosec": st.integers(0, 999_999_999)}
+    )

@@ -1,0 +1,45 @@
+"""The kit finds what is wrong: each mutant breaks one promise, and that one is named."""
+
+import os
+from collections.abc import Iterator
+
+import pytest
+
+from rosbase.testing import BrokenPromiseError, TransportContract
+from rosbase.testing.promised import promises_of
+from rosbase.testing.transport_promises import PREPARATIONS
+from support.mutants import LEAKED, MUTANTS, RELEASE, Mutant
+
+CHECKS = {promise.name: promise for promise in promises_of(TransportContract)}
+
+
+@pytest.fixture(autouse=True)
+def nothing_stays_behind() -> Iterator[None]:
+    RELEASE.clear()
+    yield
+    RELEASE.set()
+    while LEAKED:
+        os.close(LEAKED.pop())
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.promise}-{mutant.name}")
+def test_a_mutant_is_rejected_with_the_promise_that_it_breaks(mutant: Mutant) -> None:
+    # What an author has not finished is found by whichever check comes first.
+    check = mutant.promise if mutant.promise in CHECKS else "health-counts-what-arrives"
+    contract = mutant.contract()
+    contract.setup_method()
+    try:
+        with pytest.raises(BrokenPromiseError) as rejected:
+            getattr(contract, f"test_{check.replace('-', '_')}")()
+    finally:
+        contract.teardown_method()
+    first, promised, seen, more, *_ = str(rejected.value).splitlines()
+    assert first == f"broken promise: {mutant.promise}"
+    assert more.endswith(f"plugins/transport-contract.md#{mutant.promise}")
+    assert mutant.seen in str(rejected.value), seen
+    assert len(promised) > len("  promised: ")
+
+
+def test_no_check_is_without_a_mutant() -> None:
+    names = {*CHECKS, *(promise.name for promise in PREPARATIONS)}
+    assert names == {mutant.promise for mutant in MUTANTS}

@@ -1,0 +1,229 @@
+"""Mutants whose calls go wrong."""
+
+import threading
+from queue import SimpleQueue
+
+from rosbase.clock import SystemClock
+from rosbase.errors import TransportError
+from rosbase.plugins import TransportPlugin
+from rosbase.transport import OnFrame, Transport, TransportState
+from support.fifo import PARAMETERS, FifoContract, make_transport
+from support.mutants.mutant import Wrapped, mutant, wait_for_release
+
+
+@mutant("making-a-transport-touches-nothing", "opened 1 descriptors")
+class OpensWhenMade(Wrapped):
+    def prepare(self) -> None:
+        self.inner.open()
+
+
+@mutant("making-a-transport-touches-nothing", "started")
+class StartsAThreadWhenMade(Wrapped):
+    def prepare(self) -> None:
+        threading.Thread(target=wait_for_release).start()
+
+
+@mutant("the-first-parameter-says-which-device", "the first is wait")
+class FirstParameterIsAnother(FifoContract):
+    def plugin(self) -> TransportPlugin:
+        return TransportPlugin("fifo", "lines", make_transport, PARAMETERS[::-1])
+
+
+@mutant("the-first-parameter-says-which-device", "are no parameters of the plugin")
+class PeerNamesStrangeParameters(FifoContract):
+    def plugin(self) -> TransportPlugin:
+        return TransportPlugin("fifo", "lines", make_transport, PARAMETERS[1:])
+
+
+@mutant("each-call-may-be-made-twice", "after two starts")
+class StartsTwoReaders(Wrapped):
+    def prepare(self) -> None:
+        self.others: list[Transport] = []
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.others.append(self.make())
+        self.others[-1].start(on_frame)
+
+    def close(self) -> None:
+        for transport in (*self.others, self.inner):
+            transport.close()
+
+
+@mutant("each-call-may-be-made-twice", "open() raised")
+class OpensOnlyOnce(Wrapped):
+    def open(self) -> None:
+        if self.inner.is_open:
+            raise TransportError("it is open")
+        self.inner.open()
+
+
+@mutant("the-calls-come-in-any-order", "stop() raised RuntimeError")
+class StopsOnlyWhatRuns(Wrapped):
+    def stop(self) -> None:
+        if not self.inner.is_open:
+            raise RuntimeError("not started")
+        self.inner.stop()
+
+
+@mutant("start-opens-what-is-not-open", "start() raised")
+class StartsOnlyWhatIsOpen(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        if not self.inner.is_open:
+            raise TransportError("it is not open")
+        self.inner.start(on_frame)
+
+
+@mutant("it-starts-again-after-stop-and-after-close", "threads can only be started once")
+class StartsOnlyOnce(Wrapped):
+    has_started = False
+
+    def start(self, on_frame: OnFrame) -> None:
+        if self.has_started:
+            raise RuntimeError("threads can only be started once")
+        self.has_started = True
+        self.inner.start(on_frame)
+
+
+@mutant("the-calls-come-from-any-thread", "while other threads called")
+class IsOfOneThread(Wrapped):
+    owner: threading.Thread | None = None
+
+    def open(self) -> None:
+        self.check_thread()
+        self.inner.open()
+
+    def stop(self) -> None:
+        self.check_thread()
+        self.inner.stop()
+
+    def check_thread(self) -> None:
+        self.owner = self.owner or threading.current_thread()
+        if self.owner is not threading.current_thread():
+            raise RuntimeError("made on another thread")
+
+
+@mutant("the-calls-come-from-within-on-frame", "cannot join current thread")
+class JoinsItself(Wrapped):
+    reader: threading.Thread | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        def note(frame: bytes, stamp_ns: int) -> None:
+            self.reader = threading.current_thread()
+            on_frame(frame, stamp_ns)
+
+        self.inner.start(note)
+
+    def stop(self) -> None:
+        if self.reader is threading.current_thread():
+            raise RuntimeError("cannot join current thread")
+        self.inner.stop()
+
+
+@mutant("the-calls-come-from-within-on-frame", "on_frame was called again although it called stop")
+class GoesOnAfterStopFromWithin(Wrapped):
+    reader: threading.Thread | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        def note(frame: bytes, stamp_ns: int) -> None:
+            self.reader = threading.current_thread()
+            on_frame(frame, stamp_ns)
+
+        if self.reader is not threading.current_thread():
+            self.inner.stop()
+            self.inner.start(note)
+
+    def stop(self) -> None:
+        if self.reader is not threading.current_thread():
+            self.inner.stop()
+
+
+@mutant("calls-are-bounded-while-the-device-is-silent", "stop() has not returned after 0.4 s")
+class StopWaitsForData(Wrapped):
+    def stop(self) -> None:
+        if self.inner.is_open and self.inner.health.frames == 0:
+            wait_for_release()
+        self.inner.stop()
+
+
+@mutant("calls-are-bounded-while-the-device-is-absent", "open() has not returned after 0.6 s")
+class OpenWaitsForTheDevice(Wrapped):
+    def open(self) -> None:
+        try:
+            self.inner.open()
+        except TransportError:
+            wait_for_release()
+
+
+@mutant("calls-are-bounded-during-a-reconnect", "stop() has not returned after 0.4 s")
+class StopWaitsForTheDevice(Wrapped):
+    def stop(self) -> None:
+        if self.inner.health.state is TransportState.RECONNECTING:
+            wait_for_release()
+        self.inner.stop()
+
+
+@mutant("calls-are-bounded-while-on-frame-hangs", "stop() has not returned after 0.6 s")
+class StopWaitsForOnFrame(Wrapped):
+    def prepare(self) -> None:
+        self.delivering = threading.Lock()
+
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            with self.delivering:
+                on_frame(frame, stamp_ns)
+
+        self.inner.start(deliver)
+
+    def stop(self) -> None:
+        with self.delivering:
+            self.inner.stop()
+
+
+@mutant("calls-are-bounded-in-a-flood", "stop() has not returned after 0.4 s")
+class StopWaitsForAPause(Wrapped):
+    def stop(self) -> None:
+        before = -1
+        while before != self.inner.health.frames:
+            before = self.inner.health.frames
+            SystemClock.sleep(0.02)
+        self.inner.stop()
+
+
+@mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
+@mutant("memory-is-bounded-in-a-flood", "that on_frame did not take")
+class HandsOverFromAQueue(Wrapped):
+    def prepare(self) -> None:
+        self.frames: SimpleQueue[tuple[OnFrame, bytes, int] | None] = SimpleQueue()
+
+    def start(self, on_frame: OnFrame) -> None:
+        threading.Thread(target=self.deliver).start()
+        self.inner.start(lambda frame, stamp_ns: self.frames.put((on_frame, frame, stamp_ns)))
+
+    def deliver(self) -> None:
+        while (item := self.frames.get()) is not None:
+            on_frame, frame, stamp_ns = item
+            on_frame(frame, stamp_ns)
+
+    def stop(self) -> None:
+        self.inner.stop()
+        self.frames.put(None)
+
+    def close(self) -> None:
+        self.stop()
+        self.inner.close()
+
+
+@mutant("every-history-ends-where-the-model-says", "history:  ")
+class ForgetsItsSubscriberAfterAnIdleStop(Wrapped):
+    """Only a history finds it: stop without a start, and then start."""
+
+    is_spoiled = is_started = False
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.inner.start((lambda frame, stamp_ns: None) if self.is_spoiled else on_frame)
+        self.is_started = True
+
+    def stop(self) -> None:
+        self.is_spoiled = self.inner.is_open and not self.is_started
+        self.is_started = False
+        self.inner.stop()

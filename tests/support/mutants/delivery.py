@@ -1,0 +1,134 @@
+"""Mutants that hand over wrongly."""
+
+import sys
+import threading
+from itertools import cycle
+
+from attrs import evolve
+
+from rosbase.clock import SystemClock
+from rosbase.transport import OnFrame, TransportHealth, TransportState
+from support.mutants.mutant import Wrapped, mutant
+
+SECOND_NS = 1_000_000_000
+
+
+class Stamped(Wrapped):
+    """Stamps frames by a rule of its own."""
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.inner.start(lambda frame, stamp_ns: on_frame(frame, self.stamp(stamp_ns)))
+
+    def stamp(self, stamp_ns: int) -> int:
+        raise NotImplementedError
+
+
+@mutant("on-frame-is-called-on-one-thread-of-its-own", "20 threads called on_frame")
+class HasAThreadForEachFrame(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            thread = threading.Thread(target=on_frame, args=(frame, stamp_ns))
+            thread.start()
+            thread.join()
+
+        self.inner.start(deliver)
+
+
+@mutant("what-on-frame-raises-does-not-end-the-stream", "1 of 20 frames came after ValueError")
+class EndsOfAnException(Wrapped):
+    is_dead = False
+
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            if not self.is_dead:
+                self.is_dead = True
+                on_frame(frame, stamp_ns)
+                self.is_dead = False
+
+        self.inner.start(deliver)
+
+
+@mutant("what-on-frame-raises-does-not-end-the-stream", "1 of 20 frames came after SystemExit")
+class EndsOfSystemExit(Wrapped):
+    has_exited = False
+
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            try:
+                if not self.has_exited:
+                    on_frame(frame, stamp_ns)
+            except SystemExit:
+                self.has_exited = True
+                raise
+
+        self.inner.start(deliver)
+
+
+@mutant("what-on-frame-raises-is-logged", "was not logged as an error")
+class SaysNothingOfAnException(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            try:
+                on_frame(frame, stamp_ns)
+            except BaseException:
+                self.error = sys.exception()
+
+        self.inner.start(deliver)
+
+
+@mutant("a-reader-that-dies-is-noticed", "health.state to be CLOSED")
+class DoesNotNoticeADeadReader(Wrapped):
+    is_wanted = False
+
+    def open(self) -> None:
+        self.is_wanted = True
+        self.inner.open()
+
+    def close(self) -> None:
+        self.is_wanted = False
+        self.inner.close()
+
+    @property
+    def health(self) -> TransportHealth:
+        health = self.inner.health
+        return evolve(health, state=TransportState.CONNECTED) if self.is_wanted else health
+
+
+@mutant("stamps-lie-between-sending-and-arrival", "after it was handed over")
+class StampsLate(Stamped):
+    def stamp(self, stamp_ns: int) -> int:
+        return stamp_ns + SECOND_NS
+
+
+@mutant("stamps-lie-between-sending-and-arrival", "before it was sent")
+class StampsFromTheStartOfTheMachine(Stamped):
+    def stamp(self, stamp_ns: int) -> int:
+        return self.context.clock.monotonic_ns()
+
+
+@mutant("the-stamp-is-that-of-the-first-bytes", "after the first half was read")
+class StampsWhenItIsWhole(Stamped):
+    def stamp(self, stamp_ns: int) -> int:
+        return self.context.clock.now_ns()
+
+
+@mutant("stamps-never-go-back", "a stamp went back by")
+class StampsWithJitter(Stamped):
+    def prepare(self) -> None:
+        self.jitter = cycle((0, -SECOND_NS))
+
+    def stamp(self, stamp_ns: int) -> int:
+        return stamp_ns + next(self.jitter)
+
+
+@mutant("time-is-that-of-the-given-clock", "the stamp is 36")
+class StampsWithAnotherClock(Stamped):
+    def stamp(self, stamp_ns: int) -> int:
+        return SystemClock.now_ns()
+
+
+@mutant("time-is-that-of-the-given-clock", "last_data_ns is not the clock's")
+class DatesDataWithAnotherClock(Wrapped):
+    @property
+    def health(self) -> TransportHealth:
+        return evolve(self.inner.health, last_data_ns=SystemClock.monotonic_ns())
