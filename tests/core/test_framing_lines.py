@@ -1,11 +1,10 @@
-import tracemalloc
+"""What is a line framer's own; the rest is in test_line_framer_contract.py."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase.framing import Frame, FrameError, LineFramer
-from support.strategies import chunkings
 
 # Mostly what matters to a line framer.
 streams = st.lists(
@@ -19,19 +18,6 @@ def outcome(chunks: list[bytes], limit: int) -> list[object]:
     framer = LineFramer(limit)
     events = [event for chunk in chunks for event in framer.feed(chunk, 0)]
     return [event.data if isinstance(event, Frame) else event.reason for event in events]
-
-
-@given(st.data(), streams, st.integers(1, 12))
-def test_every_chunking_gives_the_same_frames(data: st.DataObject, s: bytes, limit: int) -> None:
-    assert outcome(data.draw(chunkings(s)), limit) == outcome([s], limit)
-
-
-@given(st.data(), st.lists(st.binary(max_size=8), max_size=10))
-def test_junk_costs_only_the_line_it_touches(data: st.DataObject, junk: list[bytes]) -> None:
-    good = [b'{"number":%d}' % number for number in range(len(junk))]
-    stream = b"".join(noise + b"\n" + line + b"\n" for noise, line in zip(junk, good, strict=True))
-    frames = outcome(data.draw(chunkings(stream)), 64)
-    assert [frame for frame in frames if frame in good] == good
 
 
 @given(streams, st.integers(1, 12))
@@ -56,16 +42,6 @@ def test_an_overlong_line_is_one_error_and_the_next_line_comes_through() -> None
     assert outcome(chunks, 64) == ["overlong", b"{}"]
 
 
-def test_the_stamp_is_that_of_the_first_byte() -> None:
-    framer = LineFramer()
-    assert framer.feed(b'{"a"', 100) == []
-    assert framer.feed(b':1}\n{"b":2}\n{"c"', 200) == [
-        Frame(b'{"a":1}', 100),
-        Frame(b'{"b":2}', 200),
-    ]
-    assert framer.feed(b":3}\n", 300) == [Frame(b'{"c":3}', 200)]
-
-
 def test_padding_before_a_line_does_not_count_as_its_first_byte() -> None:
     framer = LineFramer()
     framer.feed(b"\n\x00\x00", 100)
@@ -76,25 +52,6 @@ def test_the_error_is_stamped_when_the_lost_line_began() -> None:
     framer = LineFramer(4)
     framer.feed(b"xx", 100)
     assert framer.feed(b"xxxxx\n", 200) == [FrameError("overlong", 100)]
-
-
-def test_reset_forgets_a_begun_line() -> None:
-    framer = LineFramer()
-    framer.feed(b'{"lost', 0)
-    framer.reset()
-    assert framer.feed(b"{}\n", 0) == [Frame(b"{}", 0)]
-
-
-def test_memory_stays_bounded_without_any_newline() -> None:
-    framer = LineFramer(1000)
-    tracemalloc.start()
-    try:
-        for _ in range(2000):
-            framer.feed(b"x" * 1000, 0)
-        current, _ = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert current < 20_000
 
 
 def test_a_limit_below_one_byte_is_refused() -> None:

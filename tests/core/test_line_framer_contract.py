@@ -2,8 +2,10 @@
 
 from typing import ClassVar
 
+from hypothesis import strategies as st
+
 from rosbase.framing import LineFramer
-from rosbase.testing import FramerContract
+from rosbase.testing import FramerContract, strategies
 
 
 class TestLineFramer(FramerContract):
@@ -22,3 +24,15 @@ class TestLineFramerWithBothEndings(TestLineFramer):
 
 class TestLineFramerWithTheOldEnding(TestLineFramer):
     ending = b"\r"
+
+
+class TestLineFramerOfShortLines(TestLineFramer):
+    """Many of the streams are too long for it, anywhere."""
+
+    endless = b"xxxxx"
+
+    def make_framer(self) -> LineFramer:
+        return LineFramer(12)
+
+    def payloads(self) -> st.SearchStrategy[bytes]:
+        return strategies.payloads(max_size=12)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from rosbase.processes.output import OutputLines
 from rosbase.processes.restart import RestartPolicy, Restarts
-from support.strategies import chunkings
+from rosbase.testing.strategies import chunkings
 
 texts = st.lists(st.text(st.characters(codec="utf-8", exclude_characters="\r\n"), min_size=1))
 

@@ -17,6 +17,7 @@ class TestMqtt(TransportContract):
         waits_with={"wait_for_broker": True},
         bad_frames=(b"", b"\0\r\n", b"x" * 70_000),
     )
+    end_limit_s = 0.5
     reconnect_limit_s = 2.0
 
     def make_peer(self) -> ScriptedPeer:

@@ -188,30 +188,6 @@ def test_m3_two_clients_with_one_id_are_named_and_do_not_fight_on_for_ever(
     assert len(caplog.messages) == said, "nothing new yet: the other may come back"
 
 
-@pytest.mark.parametrize("error", [ValueError("no good"), SystemExit(3)])
-def test_m4_what_on_frame_raises_does_not_end_the_stream(
-    rig: MqttRig,
-    embedded: EmbeddedBroker,
-    publisher: Publisher,
-    caplog: pytest.LogCaptureFixture,
-    error: BaseException,
-) -> None:
-    def pick(frame: bytes, stamp_ns: int) -> None:
-        rig.keep(frame, stamp_ns)
-        if frame == b"bad":
-            raise error
-
-    rig.transport(embedded.address).start(pick)
-    rig.prove(publisher.publish)
-    for payload in (b"bad", b"bad", b"bad", b"good"):
-        publisher.publish(payload)
-    assert [rig.next() for _ in range(4)] == [b"bad", b"bad", b"bad", b"good"]
-    errors = [record for record in caplog.records if record.levelname == "ERROR"]
-    assert len(errors) == 1
-    assert errors[0].exc_info is not None
-    assert errors[0].exc_info[1] is error
-
-
 NO_PACKETS = {
     "not MQTT": b"HTTP/1.1 400 Bad Request\r\n" + b"Server: web\r\n" * 20,
     "zeros": bytes(1000),
@@ -291,22 +267,6 @@ def test_m5_a_slow_consumer_keeps_its_connection_and_loses_nothing(
     assert (transport.health.reconnects, broker.dials) == (0, 1)
 
 
-def test_m5_a_flood_can_be_stopped(rig: MqttRig, broker: ScriptedBroker) -> None:
-    def flood(peer: Peer) -> None:
-        peer.accept()
-        peer.serve(until=SUBSCRIBE)
-        while True:
-            peer.send(GOOD * 500)
-
-    broker.behaviour = flood
-    transport = rig.started(broker.address)
-    wait_until(lambda: transport.health.frames > 5000, "the flood")
-    assert elapsed(transport.stop) < 0.5
-    frames = transport.health.frames
-    assert elapsed(transport.close) < 0.5
-    assert transport.health.frames == frames
-
-
 def test_m8_a_message_that_is_sent_again_is_handed_over_once(
     rig: MqttRig, broker: ScriptedBroker
 ) -> None:
@@ -317,13 +277,6 @@ def test_m8_a_message_that_is_sent_again_is_handed_over_once(
     handed_over = [rig.next() for _ in range(4)]
     assert handed_over == [b"good", b"good", b"lost on its first way", b"end"]
     assert transport.health.frame_errors == {"duplicate": 1}
-
-
-def test_m8_stamps_never_go_back(rig: MqttRig, broker: ScriptedBroker) -> None:
-    broker.behaviour = sends(GOOD * 1000)
-    rig.started(broker.address)
-    stamps = [rig.frames.get(timeout=20)[1] for _ in range(1000)]
-    assert stamps == sorted(stamps)
 
 
 def test_m9_a_half_open_connection_is_noticed_by_keep_alive(

@@ -15,6 +15,7 @@ class TestSerial(TransportContract):
         waits_with={"wait_for_device": True},
         bad_frames=(b"x" * 70_000 + b"\n",),
     )
+    end_limit_s = 0.5
     reconnect_limit_s = 2.0
 
     @pytest.fixture(autouse=True)

@@ -2,7 +2,6 @@
 
 import json
 import math
-from itertools import pairwise
 
 from hypothesis import strategies as st
 
@@ -96,14 +95,6 @@ def good_payloads(draw: st.DrawFn) -> dict[str, object]:
 frames = st.binary(max_size=200) | (payloads | good_payloads() | json_values).map(
     lambda p: json.dumps(p).encode()
 )
-
-
-@st.composite
-def chunkings(draw: st.DrawFn, data: bytes) -> list[bytes]:
-    """The same bytes, cut anywhere."""
-    cuts = draw(st.lists(st.integers(0, len(data)), max_size=20))
-    edges = [0, *sorted(cuts), len(data)]
-    return [data[start:end] for start, end in pairwise(edges)]
 
 
 FSM_STATES = ("a", "b", "c", "d")

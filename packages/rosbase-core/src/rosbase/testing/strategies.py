@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 __all__ = ["chunkings", "imu_samples", "junk", "payloads", "streams"]
 
 _NUMBERS = st.floats(-1_000, 1_000).map(lambda number: round(number, 6))
+_LONGEST_SAMPLE = 250
 _VECTORS = st.fixed_dictionaries(dict.fromkeys("xyz", _NUMBERS))
 
 
@@ -20,14 +21,15 @@ def imu_samples() -> st.SearchStrategy[bytes]:
     return samples.map(lambda sample: json.dumps(sample).encode())
 
 
-def payloads(max_size: int = 200) -> st.SearchStrategy[bytes]:
+def payloads(max_size: int = _LONGEST_SAMPLE) -> st.SearchStrategy[bytes]:
     """What fits on a line: any text without line breaks, and without blanks around it."""
     texts = st.text(
         st.characters(exclude_categories=["Cc", "Cs", "Zs", "Zl", "Zp"]),
         min_size=1,
         max_size=max_size // 4,
     )
-    return texts.map(str.encode) | imu_samples().filter(lambda sample: len(sample) <= max_size)
+    encoded = texts.map(str.encode)
+    return encoded | imu_samples() if max_size >= _LONGEST_SAMPLE else encoded
 
 
 def junk(max_size: int = 100) -> st.SearchStrategy[bytes]:
