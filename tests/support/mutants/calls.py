@@ -189,7 +189,7 @@ class StopWaitsForAPause(Wrapped):
         self.inner.stop()
 
 
-@mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
+@mutant("nothing-is-handed-over-after-the-end", "stop returned while on_frame was running")
 @mutant("memory-is-bounded-in-a-flood", "that on_frame did not take")
 class HandsOverFromAQueue(Wrapped):
     def prepare(self) -> None:
@@ -211,6 +211,22 @@ class HandsOverFromAQueue(Wrapped):
     def close(self) -> None:
         self.stop()
         self.inner.close()
+
+
+@mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
+class HandsOverWhatIsLeft(Wrapped):
+    """It waits for on_frame, and then hands over the rest of what it has read."""
+
+    on_frame: OnFrame | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.on_frame = on_frame
+        self.inner.start(on_frame)
+
+    def stop(self) -> None:
+        self.inner.stop()
+        if self.on_frame is not None:
+            threading.Timer(0.0, self.on_frame, (b"the rest", 0)).start()
 
 
 @mutant("every-history-ends-where-the-model-says", "history:  ")

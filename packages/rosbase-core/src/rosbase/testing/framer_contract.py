@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from rosbase.framing import Framer
 from rosbase.testing import framer_checks, strategies
 from rosbase.testing.framer_promises import FRAMER
+from rosbase.testing.seen import not_written
 
 __all__ = ["FramerContract"]
 
@@ -154,7 +155,7 @@ class FramerContract:
         try:
             framer = self.make_framer()
         except NotImplementedError as error:
-            raise FRAMER.broken("make_framer is not written yet") from error
+            raise FRAMER.broken(not_written("make_framer", error)) from error
         FRAMER.require(framer is not None, "make_framer gave None: does it return what it makes?")
         return framer
 
@@ -162,7 +163,7 @@ class FramerContract:
         try:
             encoded = self.encode(payload)
         except NotImplementedError as error:
-            raise FRAMER.broken("encode is not written yet") from error
+            raise FRAMER.broken(not_written("encode", error)) from error
         FRAMER.require(isinstance(encoded, bytes), f"encode({payload!r}) gave {encoded!r}")
         return encoded
 

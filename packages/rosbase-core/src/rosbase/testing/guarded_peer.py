@@ -8,6 +8,7 @@ from rosbase.errors import TransportError
 from rosbase.parameters import ParameterValue
 from rosbase.testing.caller import Caller, StillRunningError
 from rosbase.testing.promise import Promise
+from rosbase.testing.seen import not_written, raised
 from rosbase.testing.transport_capabilities import FullPeer
 from rosbase.testing.transport_promises import PEER
 
@@ -28,7 +29,7 @@ class GuardedPeer:
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
         """What the transport must be given to reach this device."""
-        return self.made.parameters
+        return dict(self._call("parameters", lambda: self.made.parameters))
 
     def send(self, *payloads: bytes) -> None:
         """Sends payloads, one by one."""
@@ -72,6 +73,6 @@ class GuardedPeer:
                 f"the peer's {name}() {error}: does nobody read what it sends?"
             ) from None
         except TransportError as error:
-            raise PEER.broken(f"the peer's {name}() raised {error!r}") from error
+            raise PEER.broken(raised(f"the peer's {name}()", error)) from error
         except NotImplementedError as error:
-            raise PEER.broken(f"the peer's {name}() is not written yet") from error
+            raise PEER.broken(not_written(f"the peer's {name}()", error)) from error

@@ -9,6 +9,7 @@ from attrs import frozen
 from rosbase.errors import TransportError
 from rosbase.testing.caller import Caller, StillRunningError
 from rosbase.testing.promise import Promise
+from rosbase.testing.seen import not_written, raised
 from rosbase.testing.transport_promises import CALLS
 from rosbase.transport import OnFrame, Transport, TransportHealth, TransportState
 
@@ -102,7 +103,7 @@ class GuardedTransport:
         try:
             self._run(name, call, limit_s)
         except TransportError as error:
-            raise self._promise.broken(f"{name}() raised {error!r}") from error
+            raise self._promise.broken(raised(f"{name}()", error)) from error
 
     def _run(self, name: str, call: Callable[[], object], limit_s: float) -> Any:
         try:
@@ -112,9 +113,9 @@ class GuardedTransport:
         except TransportError:
             raise
         except NotImplementedError as error:
-            raise CALLS.broken(f"{name} is not written yet") from error
+            raise CALLS.broken(not_written(name, error)) from error
         except BaseException as error:
-            raise self._promise.broken(f"{name}() raised {error!r}") from error
+            raise self._promise.broken(raised(f"{name}()", error)) from error
 
     def _look(self, name: str, look: Callable[[], Any]) -> Any:
         try:
@@ -122,6 +123,6 @@ class GuardedTransport:
         except StillRunningError as error:
             raise self._promise.broken(f"{name} {error}") from None
         except NotImplementedError as error:
-            raise CALLS.broken(f"{name} is not written yet") from error
+            raise CALLS.broken(not_written(name, error)) from error
         except Exception as error:
-            raise self._promise.broken(f"{name} raised {error!r}") from error
+            raise self._promise.broken(raised(name, error)) from error

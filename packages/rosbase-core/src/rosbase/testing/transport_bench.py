@@ -15,6 +15,7 @@ from rosbase.testing.guarded_transport import GuardedTransport, Limits
 from rosbase.testing.promise import BrokenPromiseError, Promise
 from rosbase.testing.recorded_log import RecordedLog
 from rosbase.testing.recording import RecordingSubscriber
+from rosbase.testing.seen import not_written, raised
 from rosbase.testing.transport_author import TransportAuthor
 from rosbase.testing.transport_capabilities import ABILITIES, FullPeer
 from rosbase.testing.transport_promises import FACTORY, PEER, PEER_ABILITIES
@@ -59,7 +60,7 @@ class Bench:
     def peer(self) -> GuardedPeer:
         """A new peer, with the abilities that are declared."""
         peer = _made(self.author.make_peer, PEER, "make_peer")
-        missing = [name for name in ("parameters", "send", "close") if not hasattr(peer, name)]
+        missing = [name for name in ("parameters", "send", "close") if name not in dir(peer)]
         PEER.require(not missing, f"{type(peer).__name__} has no {' and no '.join(missing)}")
         guarded = GuardedPeer(cast(FullPeer, peer), self.promise, self.author.patience_s)
         self._peers.append(guarded)
@@ -110,24 +111,25 @@ class Bench:
             peer.made.close()
 
     @contextmanager
-    def hanging(self, peer: GuardedPeer, transport: GuardedTransport) -> Iterator[None]:
+    def hanging(
+        self, peer: GuardedPeer, transport: GuardedTransport
+    ) -> Iterator[RecordingSubscriber]:
         """Within it, an `on_frame` of the transport does not return."""
-        entered, leave, left = threading.Event(), threading.Event(), threading.Event()
+        leave, left = threading.Event(), threading.Event()
 
         def hang(frame: bytes, stamp_ns: int) -> None:
-            entered.set()
             leave.wait()
             left.set()
 
-        transport.start(hang)
+        hung = RecordingSubscriber(then=hang)
+        transport.start(hung)
         peer.send(*self.payloads(3))
         try:
-            arrived = entered.wait(self.author.patience_s)
-            self.require(arrived, "no frame arrived")
-            yield
+            self.wait_for(hung, 1)
+            yield hung
         finally:
             leave.set()
-            if entered.is_set():
+            if hung.frames:
                 left.wait(self.author.patience_s)
 
     def payloads(self, count: int, first: int = 0) -> list[bytes]:
@@ -137,10 +139,8 @@ class Bench:
     def wait_for(self, subscriber: RecordingSubscriber, count: int) -> None:
         """Waits for so many frames in all."""
         if not subscriber.wait_for(count, self.author.patience_s):
-            came = len(subscriber.frames)
-            raise self.promise.broken(
-                f"{came} of {count} frames had arrived after {self.author.patience_s:g} s"
-            )
+            seen = f"{len(subscriber.frames)} of {count} frames had arrived"
+            raise self.promise.broken(f"{seen} after {self.author.patience_s:g} s{self._why()}")
 
     def wait_for_bytes(self, transport: GuardedTransport, count: int) -> None:
         """Waits until the transport has read so many bytes in all."""
@@ -175,7 +175,8 @@ class Bench:
         deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
         while not condition():
             in_time = self.clock.monotonic_ns() < deadline_ns
-            self.require(in_time, f"waited {limit_s:g} s in vain: {what}")
+            if not in_time:
+                raise self.promise.broken(f"waited {limit_s:g} s in vain for {what}{self._why()}")
             self.clock.sleep(_LOOK_S)
 
     def wait_for_loss(self, transport: GuardedTransport) -> None:
@@ -214,6 +215,11 @@ class Bench:
             transport.release()
         self.log.close()
 
+    def _why(self) -> str:
+        """What the transports say themselves about what went wrong."""
+        errors = {transport.health.last_error for transport in self._transports} - {""}
+        return "".join(f"; health.last_error: {error}" for error in sorted(errors))
+
     def _check_abilities(self, peer: GuardedPeer) -> None:
         kind = type(peer.made).__name__
         for capability, abilities in ABILITIES.items():
@@ -239,8 +245,8 @@ def _made(make: Callable[[], object], promise: Promise, name: str) -> object:
     except BrokenPromiseError:
         raise
     except NotImplementedError as error:
-        raise promise.broken(f"{name} is not written yet") from error
+        raise promise.broken(not_written(name, error)) from error
     except Exception as error:
-        raise promise.broken(f"{name} raised {error!r}") from error
+        raise promise.broken(raised(name, error)) from error
     promise.require(made is not None, f"{name} gave None: does it return what it makes?")
     return made

@@ -156,19 +156,19 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_nothing_is_handed_over_after_the_end(self, bench: Bench) -> None:
-        """Once stop or close has returned, on_frame is not called again."""
+        """stop and close wait for on_frame to return; after them it is not called again."""
         for ending in ("stop", "close"):
             peer = bench.peer()
             transport = bench.transport(peer)
-            slow = RecordingSubscriber(then=lambda frame, stamp_ns: bench.clock.sleep(0.002))
-            transport.start(slow)
-            peer.send(*bench.payloads(30))
-            bench.wait_for(slow, 1)
-            getattr(transport, ending)()
-            handed_over = len(slow.frames)
+            with bench.hanging(peer, transport) as hung:
+                call = bench.in_background(getattr(transport.made, ending))
+                call.join(_AGAIN_S)
+                bench.require(call.is_alive(), f"{ending} returned while on_frame was running")
+            call.join(self.call_limit_s)
+            bench.require(not call.is_alive(), f"{ending} did not return after on_frame had")
             peer.send(*bench.payloads(5))
             bench.prove(peer, transport)
-            more = len(slow.frames) - handed_over
+            more = len(hung.frames) - 1
             bench.require(not more, f"{more} frames came after {ending} had returned")
 
 
