@@ -22,7 +22,6 @@ from rosbase import (
     qos_profile_sensor_data,
 )
 from rosbase.backend import Publisher
-from rosbase.errors import BackendError
 from rosbase.local import LocalBackend
 from rosbase.messages import Vector3
 from rosbase.qos import mismatch
@@ -97,17 +96,6 @@ def test_a_profile_refuses_what_is_not_a_policy_in_one_line() -> None:
         QoSProfile(durability="latched")
 
 
-@pytest.mark.parametrize("profile", [0, True, "sensor", None, object()])
-def test_what_is_neither_a_depth_nor_a_profile_is_refused_in_one_line(
-    backend: LocalBackend, profile: Any
-) -> None:
-    line = r"^the qos_profile of 'map' is a depth from 1 up or a QoSProfile of rosbase, not [^\n]+$"
-    with pytest.raises(BackendError, match=line):
-        backend.create_publisher(Vector3, "map", profile)
-    with pytest.raises(BackendError, match=line):
-        backend.create_subscription(Vector3, "map", print, profile)
-
-
 def test_rosbase_has_the_names_that_users_of_ros_know() -> None:
     names = {name for name in rosbase.__all__ if name.lower().startswith("qos") or "Policy" in name}
     assert names - {"RestartPolicy"} == {
@@ -126,25 +114,6 @@ def test_nodes_take_the_profile_by_the_keyword_of_rclpy(backend: LocalBackend) -
     assert got == [Vector3()]
 
 
-def test_a_history_that_keeps_all_drops_nothing(backend: LocalBackend) -> None:
-    got = subscribe(backend, KEEP_ALL)
-    publish(backend.create_publisher(Vector3, "map", 1), *range(5000))
-    drain(backend)
-    assert got == list(range(5000))
-
-
-def test_a_late_latched_subscription_gets_the_last_messages_and_then_the_new_ones(
-    backend: LocalBackend,
-) -> None:
-    publisher = backend.create_publisher(Vector3, "map", latched(3))
-    publish(publisher, 1, 2, 3, 4)
-    late, volatile = subscribe(backend, latched()), subscribe(backend, 10)
-    publish(publisher, 5)
-    drain(backend)
-    assert late == [2, 3, 4, 5]
-    assert volatile == [5]
-
-
 def test_kept_messages_for_which_a_subscription_has_no_room_are_not_counted_as_dropped(
     backend: LocalBackend,
 ) -> None:
@@ -154,16 +123,6 @@ def test_kept_messages_for_which_a_subscription_has_no_room_are_not_counted_as_d
     drain(backend)
     assert [message.x for message in got] == [3, 4]
     assert subscription.dropped == 0
-
-
-def test_what_a_publisher_keeps_ends_with_it(backend: LocalBackend) -> None:
-    publisher = backend.create_publisher(Vector3, "map", latched())
-    backend.create_publisher(Vector3, "map", latched())
-    publish(publisher, 1)
-    backend.destroy_publisher(publisher)
-    late = subscribe(backend, latched())
-    drain(backend)
-    assert late == []
 
 
 def test_a_message_that_was_refused_is_not_kept(backend: LocalBackend) -> None:

@@ -1,11 +1,33 @@
 """The backend contract: what connects a manager or a lone node to the world.
 
-Must implement: every abstract method. May implement: those under that head, where the world has
-more to it than this process. Never override: the rest, which is the executor's.
+Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
+`destroy_subscription`, `declare_parameter`, `get_parameter`, `close`.
+
+May implement, where the world has more to it than this process: `delivers_in_process`,
+`log_handler`, `expose_lifecycle`, `imu_sender`, `create_timer`, `destroy_timer`. May set, before
+the constructor returns: `node_name`, `clock`.
+
+Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`.
+
+`rosbase.testing.backend_contract` checks all of this. What a backend can do that not every one can
+is declared there, not guessed.
 
 Threads: one thread spins the executor, and every callback runs on it. What arrives on threads
-of the backend's own is handed over with `call_soon`. `publish`, `call_soon` and the destroying
-of what was created may be called from any thread; `call_soon` from a signal handler too.
+of the backend's own is handed over with `call_soon`. Whoever has a backend may call it from any
+thread, but for spinning and `close`: those are for one thread, and `close` is not for callbacks.
+`call_soon` may be called from a signal handler too.
+
+Waiting: `publish` and `call_soon` wait for nobody. Creating, destroying and declaring may wait for
+the backend's own threads, `close` for what is on its way as well: none for more than some seconds,
+whatever the world does.
+
+Topics: every class of `rosbase.messages` can be sent, and arrives equal to what was sent; what
+else can be is the backend's to say. Every subscription of a topic hears every publisher of it that
+matches, those of the same backend and of others in the same process included. The two may take a
+while to find each other: what is published before is for TRANSIENT_LOCAL alone. What one publisher
+sends arrives in order, and also when it is destroyed, or its backend closed, right after; once it
+has ended, `publish` and the senders made of it send nothing, and that is no error, because another
+thread may have ended it.
 
 Quality of service: a whole number means `QoSProfile(depth)`, as `rosbase.qos.as_profile` has it,
 and a backend may take profiles of its world's own too. Of each policy a backend keeps this:
@@ -18,6 +40,8 @@ and a backend may take profiles of its world's own too. Of each policy a backend
 - RELIABLE: a message is lost to the depth alone. BEST_EFFORT: it may be lost on the way.
 - A subscription gets nothing from a publisher that offers less than it asks for
   (`rosbase.qos.mismatch`), and a warning says so.
+
+Errors are one line, which names the topic, the parameter or the value.
 """
 
 import logging
@@ -52,8 +76,11 @@ class Publisher(Protocol):
     def publish(self, message: Any) -> object:
         """Hands the message to every subscription. From any thread; does not wait for them.
 
+        Nothing is sent once the publisher has ended.
+
         Raises:
-            TypeError: The message is not of the topic's type.
+            TypeError: The message is not of the topic's type, or a field has a value of another.
+            ValueError: A value does not fit into its field in the backend's world.
         """
         ...
 
@@ -68,19 +95,22 @@ class Subscription(Protocol):
 
     @property
     def dropped(self) -> int:
-        """How many messages were lost because the callback was slower than the publisher."""
+        """How many messages were lost because the callback was slower than the publisher.
+
+        What the world lost before the backend had it is not counted.
+        """
         ...
 
 
 class Timer(Protocol):
-    """Calls back again and again. The names are those of rclpy's timer."""
+    """Calls back again and again. The names are those of rclpy's timer. From any thread."""
 
     def cancel(self) -> None:
         """Stops it, until `reset`."""
         ...
 
     def reset(self) -> None:
-        """Starts it again: the next call is one period from now."""
+        """Starts it again: the next call is one period from now. Not once it is destroyed."""
         ...
 
     def is_canceled(self) -> bool:
@@ -115,9 +145,10 @@ class Backend(ABC):
         self.node_name = node_name
         """The name under which the world sees it, its namespace in front if there is one."""
         self.clock = clock
-        """The clock for stamps, timers and deadlines."""
+        """The clock for stamps. Its date is the world's, where the world has one of its own; its
+        monotonic time is always that of `executor.clock`."""
         self.executor = Executor(clock)
-        """What runs callbacks, on the thread that spins it."""
+        """What runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
         """Has the spinning thread call a function. From any thread, and from signal handlers."""
         self.spin_once = self.executor.spin_once
@@ -154,7 +185,7 @@ class Backend(ABC):
 
     @abstractmethod
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher of this backend; harmless when it has ended."""
+        """Ends a publisher of this backend: what it sent arrives. Harmless when it has ended."""
 
     @abstractmethod
     def destroy_subscription(self, subscription: Subscription) -> None:
@@ -164,13 +195,15 @@ class Backend(ABC):
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
         """Makes a parameter known, with its override if there is one, else its default.
 
+        The value is of the spec's kind: 5 for a number is 5.0. What is refused stays undeclared.
+
         Raises:
             ParameterError: It is declared already, or the override is not a value of it.
         """
 
     @abstractmethod
     def get_parameter(self, name: str) -> Parameter:
-        """The parameter as it is now.
+        """The parameter as it is now, also where the world may set it, but for wrong values.
 
         Raises:
             ParameterError: It has not been declared.
@@ -178,7 +211,11 @@ class Backend(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Ends everything that was created. Idempotent; nothing is called back afterwards."""
+        """Ends everything that was created, and every thread of the backend's own.
+
+        Idempotent, and bounded in time. What was published arrives, if the other side lets it
+        within a moment; nothing is called back afterwards, and destroying is harmless.
+        """
 
     # May implement.
 
@@ -190,21 +227,23 @@ class Backend(ABC):
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Lets the outside see and drive the lifecycle of a node of this backend.
 
-        Called once for each, when it is built; the node is unconfigured then.
+        Called once for each, when it is built; the node is unconfigured then. A world that can
+        have but one for each backend shows the first, and a warning says so of any other.
         """
 
     def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
         """What publishes samples that are like `template` but for their stamp and numbers.
 
-        A backend that can send them without building a message for each overrides it. What it
-        gives may be called from any thread, one at a time.
+        A backend that can send them without building a message for each overrides it; what
+        arrives is the same. What it gives may be called from any thread, one at a time.
         """
         return message_sender(publisher.publish, template)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
         """A timer with absolute deadlines; calls that were missed are skipped, not caught up.
 
-        The first call is one period from now.
+        The first call is one period from now. Deadlines are on the monotonic clock, unless the
+        world has a time of its own that timers should follow, such as that of a simulation.
 
         Raises:
             ValueError: The period is not a positive, finite number of seconds.

@@ -27,6 +27,7 @@ from rosbase.plugins import installed_plugins
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import Retirement, await_delivery
+from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
@@ -81,7 +82,7 @@ class Ros2Backend(Backend):
         """
         self._check_open()
         converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
-        inner = _asking_ros(self.node.create_publisher, converter.ros_type, topic, profile)
+        inner = self._create(self.node.create_publisher, converter.ros_type, topic, profile)
         publisher = RosPublisher(inner, converter)
         self._publishers.append(publisher)
         return publisher
@@ -98,7 +99,7 @@ class Ros2Backend(Backend):
         converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
         subscription = RosSubscription(converter, callback, queue_depth(profile), self.call_soon)
         subscription.attach(
-            _asking_ros(
+            self._create(
                 self.node.create_subscription,
                 converter.ros_type,
                 topic,
@@ -179,6 +180,21 @@ class Ros2Backend(Backend):
         self._context.try_shutdown()
         self.executor.close()
 
+    def _create(self, create: Callable[..., Any], ros_type: type, topic: str, *options: Any) -> Any:
+        """Has rclpy create an end of a topic; what it refuses is an error in one line."""
+        try:
+            self._check_type(self.node.resolve_topic_name(topic), ros_type)
+            return create(ros_type, topic, *options)
+        except Exception as error:
+            raise BackendError(f"topic {topic!r}: {' '.join(str(error).split())}") from error
+
+    def _check_type(self, name: str, ros_type: type) -> None:
+        # rmw would refuse it too, but rclpy says nothing then of topics and types.
+        for end in (*self.node.publishers, *self.node.subscriptions):
+            if end.topic_name == name and end.msg_type is not ros_type:
+                known, new = name_of(end.msg_type), name_of(ros_type)
+                raise TypeError(f"it carries {known}, so it cannot carry {new}")
+
     def _check_open(self) -> None:
         if self._closed:
             raise BackendError("the backend is closed")
@@ -231,11 +247,3 @@ def _ros_arguments(command_line: Iterable[str]) -> list[str]:
 
 def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
     return installed_plugins().create_conversion(msg_type, "ros2", accept)
-
-
-def _asking_ros(function: Callable[..., Any], *args: Any) -> Any:
-    """Calls rclpy; what it refuses is an error in one line."""
-    try:
-        return function(*args)
-    except Exception as error:
-        raise BackendError(" ".join(str(error).split())) from error

@@ -5,7 +5,6 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from rosbase.errors import BackendError
 from rosbase.qos import QoSProfile
 from rosbase.queued_subscription import QueuedSubscription
 
@@ -64,7 +63,7 @@ class LocalSubscription(QueuedSubscription):
 class LocalPublisher:
     """Hands messages to the subscriptions of one topic."""
 
-    __slots__ = ("_closed", "_deliveries", "_msg_type", "profile", "topic")
+    __slots__ = ("_deliveries", "_msg_type", "profile", "topic")
 
     def __init__(self, topic: str, msg_type: type, profile: QoSProfile) -> None:
         self.topic = topic
@@ -72,17 +71,13 @@ class LocalPublisher:
         self._msg_type = msg_type
         # Replaced, never changed, so that publishing needs no lock.
         self._deliveries: tuple[Callable[[Any], None], ...] = ()
-        self._closed = False
 
     def publish(self, message: Any) -> None:
         """Queues the message with every subscription that matches. From any thread.
 
         Raises:
             TypeError: The message is not of the topic's type.
-            BackendError: The publisher has been destroyed.
         """
-        if self._closed:
-            raise BackendError(f"the publisher of {self.topic} has been destroyed")
         if not isinstance(message, self._msg_type):
             raise TypeError(
                 f"{self.topic} takes {self._msg_type.__name__}, not {type(message).__name__}"
@@ -101,8 +96,8 @@ class LocalPublisher:
         self._deliveries = tuple(d for d in self._deliveries if d != subscription.deliver)
 
     def close(self) -> None:
-        """Nothing can be published from here on."""
-        self._closed = True
+        """Nobody hears it from here on."""
+        self._deliveries = ()
 
 
 class LatchedPublisher(LocalPublisher):
@@ -129,6 +124,12 @@ class LatchedPublisher(LocalPublisher):
                 for message in list(self._kept)[-subscription.depth :]:
                     subscription.deliver(message)
             super().connect(subscription)
+
+    def close(self) -> None:
+        """Nobody hears it from here on, and nothing is kept."""
+        with self._lock:
+            super().close()
+            self._kept = deque(maxlen=0)
 
 
 def make_publisher(topic: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:

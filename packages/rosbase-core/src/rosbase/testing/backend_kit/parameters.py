@@ -1,0 +1,111 @@
+"""Checks of parameters."""
+
+from functools import partial
+from typing import Any
+
+from rosbase.errors import ParameterError
+from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue
+from rosbase.testing.backend_kit.promises import promise
+from rosbase.testing.backend_kit.rig import BackendRig
+
+__all__ = ["ParameterChecks"]
+
+_NUMBERS, _TEXTS = ParameterKind.DOUBLE_ARRAY, ParameterKind.STRING_ARRAY
+_SPECS = [
+    ParameterSpec("flag", default=True),
+    ParameterSpec("count", 7, "how many", minimum=1, maximum=9),
+    ParameterSpec("rate", 1.5, "Hz", minimum=0.5),
+    ParameterSpec("mode", "warn", choices=("warn", "off")),
+    ParameterSpec("numbers", [1.0, 2.0], kind=_NUMBERS),
+    ParameterSpec("no_numbers", [], kind=_NUMBERS),
+    ParameterSpec("texts", ["a", "b"], kind=_TEXTS),
+    ParameterSpec("no_texts", [], kind=_TEXTS),
+]
+# What is set, and what becomes of it.
+_OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
+    "flag": (False, False),
+    "count": (3, 3),
+    "rate": (5, 5.0),
+    "mode": ("off", "off"),
+    "numbers": ([0.5], [0.5]),
+    "texts": (["c"], ["c"]),
+}
+_WRONG: dict[str, ParameterValue] = {
+    "flag": 1,
+    "count": 10,
+    "rate": "fast",
+    "mode": "loud",
+    "numbers": ["a"],
+}
+
+
+class ParameterChecks(BackendRig):
+    """Declared once, of one kind, and set from outside."""
+
+    def test_parameters_keep_their_kind(self) -> None:
+        promised, backend = promise("parameters-keep-their-kind"), self.open()
+        for spec in _SPECS:
+            declared = backend.declare_parameter(spec)
+            for found in (declared, backend.get_parameter(spec.name)):
+                promised.require(
+                    found.name == spec.name and _same(found.value, spec.default),
+                    f"{spec.default!r} became {found}",
+                )
+
+    def test_overrides_win(self) -> None:
+        promised = promise("overrides-win")
+        backend = self.open(parameters={name: value for name, (value, _) in _OVERRIDES.items()})
+        for spec in _SPECS:
+            if spec.name in _OVERRIDES:
+                given, expected = _OVERRIDES[spec.name]
+                declared = backend.declare_parameter(spec)
+                for found in (declared, backend.get_parameter(spec.name)):
+                    promised.require(
+                        _same(found.value, expected), f"set to {given!r}, it became {found}"
+                    )
+
+    def test_wrong_overrides_are_errors(self) -> None:
+        promised, backend = promise("wrong-overrides-are-errors"), self.open(parameters=_WRONG)
+        for spec in _SPECS:
+            if spec.name in _WRONG:
+                doing = f"declaring {spec.name}, set to {_WRONG[spec.name]!r},"
+                self.refuses(
+                    promised,
+                    ParameterError,
+                    partial(backend.declare_parameter, spec),
+                    doing,
+                    spec.name,
+                )
+                self.refuses(
+                    promised,
+                    ParameterError,
+                    partial(backend.get_parameter, spec.name),
+                    "getting one whose override was wrong",
+                )
+
+    def test_declaring_twice_is_an_error(self) -> None:
+        promised, backend = promise("declaring-twice-is-an-error"), self.open()
+        backend.declare_parameter(ParameterSpec("rate", 1.0))
+        self.refuses(
+            promised,
+            ParameterError,
+            lambda: backend.declare_parameter(ParameterSpec("rate", 2.0)),
+            "declaring rate again",
+            "rate",
+        )
+        value = backend.get_parameter("rate").value
+        promised.require(value == 1.0, f"declared twice, as 1.0 and 2.0, it became {value}")
+
+    def test_undeclared_parameters_are_errors(self) -> None:
+        promised, backend = promise("undeclared-parameters-are-errors"), self.open()
+        self.refuses(
+            promised,
+            ParameterError,
+            lambda: backend.get_parameter("rate"),
+            "getting rate, which was not declared,",
+            "rate",
+        )
+
+
+def _same(value: Any, expected: Any) -> bool:
+    return type(value) is type(expected) and bool(value == expected)

@@ -1,0 +1,258 @@
+"""What the checks of a backend stand on: backends to try, talkers, listeners, waits that end."""
+
+import os
+import threading
+import traceback
+from collections.abc import Callable, Iterable
+from itertools import count
+from typing import Any
+
+import pytest
+from attrs import frozen
+
+from rosbase.backend import Backend, BackendOptions
+from rosbase.clock import Clock, SystemClock
+from rosbase.messages import Vector3
+from rosbase.parameters import ParameterValue
+from rosbase.qos import QoSProfile
+from rosbase.testing.backend_kit.promises import promise
+from rosbase.testing.promise import BrokenPromiseError, Promise
+
+__all__ = ["BackendCapabilities", "BackendRig", "Listener", "Talker"]
+
+_CLOCK = SystemClock()
+_NS_PER_S = 1_000_000_000
+_MOMENT_NS = 5_000_000
+_POLL_S = 0.001
+_topics = count(1)
+_marks = count(1)
+
+
+@frozen
+class BackendCapabilities:
+    """What not every backend can. The checks of what is not declared are skipped, and say so."""
+
+    delivers_in_process: bool = False
+    """Messages get to this process's own subscriptions without leaving it."""
+    several_per_process: bool = False
+    """More than one backend can be open in a process, and they hear each other."""
+    takes_a_clock: bool = False
+    """Its time is that of `BackendOptions.clock`, so that tests can run in virtual time."""
+    has_log_handler: bool = False
+    """It has the log of its manager or lone node."""
+
+
+class Talker:
+    """A publisher of numbers."""
+
+    def __init__(self, backend: Backend, topic: str, profile: int | QoSProfile) -> None:
+        self.publisher = backend.create_publisher(Vector3, topic, profile)
+
+    def say(self, *numbers: int) -> None:
+        """Publishes a message for each."""
+        for number in numbers:
+            self.publisher.publish(Vector3(x=float(number)))
+
+    def mark(self) -> int:
+        """Publishes a number that is not counted; gives it."""
+        mark = -next(_marks)
+        self.say(mark)
+        return mark
+
+
+class Listener:
+    """A subscription to numbers."""
+
+    def __init__(self, backend: Backend, topic: str, profile: int | QoSProfile) -> None:
+        self.backend = backend
+        self.heard: list[int] = []
+        """All of them, marks included."""
+        self.subscription = backend.create_subscription(Vector3, topic, self._hear, profile)
+
+    @property
+    def numbers(self) -> list[int]:
+        """What it has heard, without marks."""
+        return [number for number in self.heard if number >= 0]
+
+    def _hear(self, message: Any) -> None:
+        # One of another class should not have come; it counts as 0.
+        self.heard.append(int(getattr(message, "x", 0)))
+
+
+class BackendRig:
+    """Opens the backends that a check needs, and closes them after it."""
+
+    capabilities = BackendCapabilities()
+    """What the backend says that it can."""
+    patience_s = 5.0
+    """How long is waited for what should come at once, before it counts as broken."""
+
+    def make_backend(self, options: BackendOptions) -> Backend:
+        """Called for each backend that a check needs. Make one with these options."""
+        raise promise("opens").broken(f"{type(self).__name__} has no make_backend(self, options)")
+
+    def make_peer(self, options: BackendOptions) -> Backend:
+        """Called for another backend of the same world. Override it if it is made otherwise."""
+        return self.make_backend(options)
+
+    # For pytest, and for whoever calls a check by itself.
+
+    def setup_method(self) -> None:
+        """Called before each check."""
+        self.opened: list[Backend] = []
+        # Whatever else is in the same world does not hear it.
+        self.topic = f"kit_{os.getpid()}_{next(_topics)}"
+
+    def teardown_method(self) -> None:
+        """Called after each check; closes what it has opened."""
+        for backend in self.opened:
+            self.on_thread(promise("closing-is-bounded"), backend.close, "close")
+
+    # For the checks.
+
+    def needs(self, capability: str) -> None:
+        """Skips the check unless the backend says that it can do that."""
+        if not getattr(self.capabilities, capability):
+            pytest.skip(f"BackendCapabilities({capability}=True) is not declared")
+
+    def open(
+        self, clock: Clock = _CLOCK, parameters: "dict[str, ParameterValue] | None" = None
+    ) -> Backend:
+        """The backend to be checked, under the name `kit`."""
+        return self._open(self.make_backend, BackendOptions("kit", parameters or {}, clock))
+
+    def open_peer(self) -> Backend:
+        """Another one, under the name `peer`."""
+        return self._open(self.make_peer, BackendOptions("peer"))
+
+    def talker(self, backend: Backend, profile: int | QoSProfile = 1000) -> Talker:
+        """A publisher on the topic of this check."""
+        return Talker(backend, self.topic, profile)
+
+    def listener(self, backend: Backend, profile: int | QoSProfile = 1000) -> Listener:
+        """A subscription to the topic of this check."""
+        return Listener(backend, self.topic, profile)
+
+    def wait(
+        self,
+        promised: Promise,
+        holds: Callable[[], object],
+        seen: Callable[[], str],
+        *spun: Backend,
+        meanwhile: Callable[[], object] = lambda: _CLOCK.sleep(_POLL_S),
+    ) -> None:
+        """Spins these backends until it holds; the promise is broken when the time is up."""
+        deadline_ns = self.deadline_ns()
+        while not holds():
+            if _CLOCK.monotonic_ns() > deadline_ns:
+                raise promised.broken(f"{seen()}, after {self.patience_s:g} s")
+            meanwhile()
+            for backend in spun:
+                now_ns = backend.executor.clock.monotonic_ns()
+                backend.spin_until(now_ns + _MOMENT_NS, holds)
+
+    def connect(self, promised: Promise, talker: Talker, *listeners: Listener) -> None:
+        """Returns when all of these listeners hear the talker, and nothing is on its way."""
+        self.wait(
+            promised,
+            lambda: all(listener.heard for listener in listeners),
+            lambda: "a subscription does not hear a publisher of its topic",
+            *(listener.backend for listener in listeners),
+            meanwhile=talker.mark,
+        )
+        self.settle(promised, talker, *listeners)
+
+    def settle(self, promised: Promise, talker: Talker, *listeners: Listener) -> None:
+        """Returns when these listeners have heard all that the talker has said."""
+        mark = talker.mark()
+        self.wait(
+            promised,
+            lambda: all(mark in listener.heard for listener in listeners),
+            lambda: "the last of several messages has not arrived",
+            *(listener.backend for listener in listeners),
+        )
+
+    def raises_nothing(self, promised: Promise, function: Callable[[], object], doing: str) -> None:
+        """Calls it; what it raises breaks the promise."""
+        try:
+            function()
+        except Exception as error:
+            raise promised.broken(f"{doing} raised {described(error)}") from error
+
+    def refuses(
+        self,
+        promised: Promise,
+        kind: type[Exception],
+        function: Callable[[], object],
+        doing: str,
+        shown: str = "",
+    ) -> None:
+        """Calls it; unless it raises that, in one line which shows it, the promise is broken."""
+        try:
+            function()
+        except kind as error:
+            text = str(error)
+            promised.require("\n" not in text, f"{doing} raised several lines: {text!r}")
+            promised.require(shown in text, f"{doing} raised {text!r}, without {shown!r}")
+        except Exception as error:
+            raise promised.broken(f"{doing} raised {described(error)}") from error
+        else:
+            raise promised.broken(f"{doing} raised no {kind.__name__}")
+
+    def on_thread(self, promised: Promise, function: Callable[[], object], doing: str) -> None:
+        """Has another thread call it; it is to return soon, and to raise nothing."""
+        self.on_threads(promised, [function], doing)
+
+    def on_threads(
+        self, promised: Promise, functions: Iterable[Callable[[], object]], doing: str
+    ) -> None:
+        """Has a thread call each of them, all at once; likewise."""
+        raised: list[BaseException] = []
+
+        def run(function: Callable[[], object]) -> None:
+            try:
+                function()
+            except BaseException as error:
+                raised.append(error)
+
+        threads = [
+            threading.Thread(target=run, args=(function,), name="kit", daemon=True)
+            for function in functions
+        ]
+        for thread in threads:
+            thread.start()
+        self._join(promised, threads, doing)
+        promised.require(not raised, f"{doing} raised {'; '.join(map(described, raised))}")
+
+    def deadline_ns(self) -> int:
+        """The end of the patience, on the monotonic clock of the machine."""
+        return _CLOCK.monotonic_ns() + int(self.patience_s * _NS_PER_S)
+
+    def _join(self, promised: Promise, threads: list[threading.Thread], doing: str) -> None:
+        deadline_ns = self.deadline_ns()
+        for thread in threads:
+            thread.join(max(0.0, (deadline_ns - _CLOCK.monotonic_ns()) / _NS_PER_S))
+        promised.require(
+            not any(thread.is_alive() for thread in threads),
+            f"{doing} has not returned after {self.patience_s:g} s",
+        )
+
+    def _open(self, make: Callable[[BackendOptions], Backend], options: BackendOptions) -> Backend:
+        try:
+            backend = make(options)
+        except BrokenPromiseError:
+            raise
+        except Exception as error:
+            raise promise("opens").broken(f"{make.__name__} raised {described(error)}") from error
+        promise("opens").require(
+            isinstance(backend, Backend), f"{make.__name__} gave {type(backend).__name__}"
+        )
+        self.opened.append(backend)
+        return backend
+
+
+def described(error: BaseException) -> str:
+    """An exception in one line, with the place where it was raised."""
+    innermost = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{os.path.basename(innermost.filename)}, line {innermost.lineno}"
+    return f"{type(error).__name__}: {error} ({place})"

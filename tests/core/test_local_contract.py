@@ -1,0 +1,14 @@
+"""The backend of the core keeps the contract of backends."""
+
+from rosbase.backend import Backend, BackendOptions
+from rosbase.local import LocalBackend
+from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+
+
+class TestLocalBackend(BackendContract):
+    capabilities = BackendCapabilities(
+        delivers_in_process=True, several_per_process=True, takes_a_clock=True
+    )
+
+    def make_backend(self, options: BackendOptions) -> Backend:
+        return LocalBackend(options)

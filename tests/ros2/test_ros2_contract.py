@@ -1,0 +1,12 @@
+"""The backend on rclpy keeps the contract of backends."""
+
+from rosbase.backend import Backend, BackendOptions
+from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+from rosbase_ros2.backend import Ros2Backend
+
+
+class TestRos2Backend(BackendContract):
+    capabilities = BackendCapabilities(several_per_process=True, has_log_handler=True)
+
+    def make_backend(self, options: BackendOptions) -> Backend:
+        return Ros2Backend(options)

@@ -1,0 +1,28 @@
+"""Backends with one thing wrong each, for the checks of the backend kit to find.
+
+Each is the backend of the core but for what its name says, and is entered under the promise that
+it breaks.
+"""
+
+from support.backend_mutants import (
+    ending,
+    opening,
+    parameters,
+    quality,
+    threads,
+    timers,
+    topics,
+)
+from support.backend_mutants.changed import MUTANTS, PATIENCE_S
+
+__all__ = [
+    "MUTANTS",
+    "PATIENCE_S",
+    "ending",
+    "opening",
+    "parameters",
+    "quality",
+    "threads",
+    "timers",
+    "topics",
+]
