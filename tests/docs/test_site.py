@@ -16,7 +16,7 @@ from support.code_blocks import PAGES, ROOT
 DOCS = ROOT / "docs"
 API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
 # What neither programs nor plugins are meant to import.
-INTERNAL = {"__main__", "cli", "connection", "imu", "local", "shutdown", "stopping", "wake_pipe"}
+INTERNAL = {"__main__", "cli", "connection", "imu", "local", "shutdown", "stopping"}
 
 REGISTRY = installed_plugins()
 TABLES = capabilities.tables(REGISTRY)
