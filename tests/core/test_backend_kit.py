@@ -9,8 +9,7 @@ from rosbase import backend as contract
 from rosbase.backend import Backend, BackendOptions
 from rosbase.clock import SystemClock
 from rosbase.local import Bus, LocalBackend
-from rosbase.testing import BrokenPromiseError
-from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+from rosbase.testing import BackendCapabilities, BackendContract, BrokenPromiseError
 from rosbase.testing.backend_kit.promises import PROMISES
 from support.backend_mutants import MUTANTS, PATIENCE_S
 

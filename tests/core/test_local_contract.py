@@ -2,7 +2,7 @@
 
 from rosbase.backend import Backend, BackendOptions
 from rosbase.local import LocalBackend
-from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+from rosbase.testing import BackendCapabilities, BackendContract
 
 
 class TestLocalBackend(BackendContract):

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from generators import docstrings
-from rosbase import errors, fsm
+from rosbase import backend, errors, fsm
 from rosbase.lifecycle import CallbackReturn, machine
-from rosbase.testing import TransportContract
+from rosbase.local import LocalBackend
+from rosbase.testing import TransportContract, backend_contract
 
 PACKAGES = Path(__file__).parents[2] / "packages"
 NODES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
@@ -39,6 +40,7 @@ def test_every_docstring_with_code_is_tested_here() -> None:
         "rosbase/errors.py",
         "rosbase/fsm/__init__.py",
         "rosbase/lifecycle/machine.py",
+        "rosbase/testing/backend_contract.py",
         "rosbase/testing/transport_contract.py",
     }
 
@@ -93,3 +95,12 @@ def test_the_contract_is_subclassed_as_it_says() -> None:
     names: dict[str, Any] = {"TransportContract": TransportContract}
     exec(code_of(TransportContract), names)
     assert names["TestUdp"].transport == "udp"
+
+
+def test_the_contract_of_backends_is_subclassed_as_it_says() -> None:
+    names: dict[str, Any] = {**vars(backend), **vars(backend_contract), "MyBackend": LocalBackend}
+    exec(code_of(backend_contract), names)
+    check = names["TestMyBackend"]()
+    check.setup_method()
+    check.test_opens()
+    check.teardown_method()

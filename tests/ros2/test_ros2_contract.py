@@ -1,7 +1,7 @@
 """The backend on rclpy keeps the contract of backends."""
 
 from rosbase.backend import Backend, BackendOptions
-from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+from rosbase.testing import BackendCapabilities, BackendContract
 from rosbase_ros2.backend import Ros2Backend
 
 

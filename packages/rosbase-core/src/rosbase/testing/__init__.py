@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rosbase.testing.backend import virtual_backend
+    from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
     from rosbase.testing.clock import ManualClock
     from rosbase.testing.faults import Faults
     from rosbase.testing.framer_contract import FramerContract
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from rosbase.testing.transport_contract import TransportContract
 
 __all__ = [
+    "BackendCapabilities",
+    "BackendContract",
     "BrokenPromiseError",
     "Faults",
     "FramerContract",
@@ -37,6 +40,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "BackendCapabilities": "backend_contract",
+    "BackendContract": "backend_contract",
     "BrokenPromiseError": "promise",
     "Faults": "faults",
     "FramerContract": "framer_contract",

@@ -1,6 +1,6 @@
 """The backend contract as tests: subclass it, say how a backend is made, and run pytest.
 
-```python
+```
 class TestMyBackend(BackendContract):
     capabilities = BackendCapabilities(several_per_process=True)
 

@@ -2,7 +2,6 @@
 
 import os
 import threading
-import traceback
 from collections.abc import Callable, Iterable
 from itertools import count
 from typing import Any
@@ -17,6 +16,7 @@ from rosbase.parameters import ParameterValue
 from rosbase.qos import QoSProfile
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.promise import BrokenPromiseError, Promise
+from rosbase.testing.seen import raised
 
 __all__ = ["BackendCapabilities", "BackendRig", "Listener", "Talker"]
 
@@ -177,7 +177,7 @@ class BackendRig:
         try:
             function()
         except Exception as error:
-            raise promised.broken(f"{doing} raised {described(error)}") from error
+            raise promised.broken(raised(doing, error)) from error
 
     def refuses(
         self,
@@ -195,7 +195,7 @@ class BackendRig:
             promised.require("\n" not in text, f"{doing} raised several lines: {text!r}")
             promised.require(shown in text, f"{doing} raised {text!r}, without {shown!r}")
         except Exception as error:
-            raise promised.broken(f"{doing} raised {described(error)}") from error
+            raise promised.broken(raised(doing, error)) from error
         else:
             raise promised.broken(f"{doing} raised no {kind.__name__}")
 
@@ -207,13 +207,13 @@ class BackendRig:
         self, promised: Promise, functions: Iterable[Callable[[], object]], doing: str
     ) -> None:
         """Has a thread call each of them, all at once; likewise."""
-        raised: list[BaseException] = []
+        errors: list[BaseException] = []
 
         def run(function: Callable[[], object]) -> None:
             try:
                 function()
             except BaseException as error:
-                raised.append(error)
+                errors.append(error)
 
         threads = [
             threading.Thread(target=run, args=(function,), name="kit", daemon=True)
@@ -222,7 +222,7 @@ class BackendRig:
         for thread in threads:
             thread.start()
         self._join(promised, threads, doing)
-        promised.require(not raised, f"{doing} raised {'; '.join(map(described, raised))}")
+        promised.require(not errors, "; ".join(raised(doing, error) for error in errors))
 
     def deadline_ns(self) -> int:
         """The end of the patience, on the monotonic clock of the machine."""
@@ -243,16 +243,9 @@ class BackendRig:
         except BrokenPromiseError:
             raise
         except Exception as error:
-            raise promise("opens").broken(f"{make.__name__} raised {described(error)}") from error
+            raise promise("opens").broken(raised(make.__name__, error)) from error
         promise("opens").require(
             isinstance(backend, Backend), f"{make.__name__} gave {type(backend).__name__}"
         )
         self.opened.append(backend)
         return backend
-
-
-def described(error: BaseException) -> str:
-    """An exception in one line, with the place where it was raised."""
-    innermost = traceback.extract_tb(error.__traceback__)[-1]
-    place = f"{os.path.basename(innermost.filename)}, line {innermost.lineno}"
-    return f"{type(error).__name__}: {error} ({place})"
