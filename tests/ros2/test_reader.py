@@ -29,7 +29,7 @@ from support.ros import Client
 from support.waiting import wait_until
 
 LISTENER = Path(__file__).parents[1] / "support" / "ros_listener.py"
-WARM_UP = Time(1_000_000_000, 1)
+WARM_UP_S = 1_000_000_000
 
 
 class Listener:
@@ -53,7 +53,7 @@ class Listener:
     def heard(self) -> list[dict[str, Any]]:
         """The messages so far, without those of the warm-up."""
         messages = [json.loads(line) for line in list(self.out.lines)]
-        return [message for message in messages if message["stamp"][0] != WARM_UP.sec]
+        return [message for message in messages if message["stamp"][0] != WARM_UP_S]
 
 
 @pytest.fixture
@@ -83,13 +83,21 @@ def listening(topic: str = "/imu/data") -> Iterator[Listener]:
         listener.close()
 
 
+_warm_ups = itertools.count()
+
+
+def warm_up() -> bytes:
+    """A sample to begin with; each is dated after the last, for the reader drops repeats."""
+    return payload_at(0.0, Time(WARM_UP_S, next(_warm_ups)))
+
+
 @contextmanager
 def heard(device: SimulatedDevice, topic: str = "/imu/data") -> Iterator[Listener]:
     """A listener that has begun to hear the device, by way of a reader."""
     with listening(topic) as listener:
 
         def hears() -> bool:
-            device.send(payload_at(0.0, WARM_UP))
+            device.send(warm_up())
             return bool(listener.out.lines)
 
         wait_until(hears, "the first sample")
@@ -163,7 +171,7 @@ def streaming(device: PtyDevice) -> Iterator[None]:
             if stop.wait(0.001):
                 return
             try:
-                device.send(payload_at(0.0, Time(WARM_UP.sec + 1, number)))
+                device.send(payload_at(0.0, Time(WARM_UP_S + 1, number)))
             except TransportError:
                 return
 
@@ -354,7 +362,7 @@ def test_samples_are_echoed_over_ros(device: PtyDevice) -> None:
     with reading(device, "--topic-echo") as reader:
 
         def echoes() -> bool:
-            device.send(payload_at(0.0, WARM_UP))
+            device.send(warm_up())
             return any('"linear_acceleration"' in line for line in reader.out.lines)
 
         wait_until(echoes, "a sample")
