@@ -24,3 +24,17 @@ def test_pytest_shows_a_broken_promise_as_four_lines(tmp_path: Path) -> None:
         "  more:     docs/plugins/transport.md#stop-is-bounded\n"
     ) in shown.stdout
     assert "def require" not in shown.stdout
+
+
+WITHOUT_TOOLS = """
+import sys
+sys.modules["pytest"] = sys.modules["hypothesis"] = None
+import rosbase.testing
+for name in rosbase.testing.__all__:
+    if not name.endswith("Contract"):
+        getattr(rosbase.testing, name)
+"""
+
+
+def test_all_but_the_contracts_is_there_without_pytest_and_hypothesis() -> None:
+    subprocess.run([sys.executable, "-c", WITHOUT_TOOLS], check=True)

@@ -34,7 +34,7 @@ def run_python(block: Block, folder: Path) -> None:
     program = folder / (block.file or "test_shown.py")
     program.write_text(block.text)
     pytest = ["-m", "pytest", "-q", "-p", "no:cacheprovider"]
-    options = pytest if "\ndef test_" in block.text else []
+    options = pytest if re.search(r"^(def test_|class Test)", block.text, re.M) else []
     done = subprocess.run(
         [sys.executable, *WARNINGS, *options, program.name],
         cwd=folder,

@@ -1,12 +1,22 @@
 """The transport contract: where the frames of a device come from.
 
-Must implement: every abstract method and property. Nothing else is called, so there is
-nothing to override.
+Must implement: `open`, `start`, `stop`, `close`, `is_open` and `health`. May implement: nothing
+more; nothing else is called. Never override: there is nothing of a base class to override, and
+whoever builds on `rosbase.device.DeviceTransport` overrides none of it.
 
-`open`, `start`, `stop` and `close` may be called from any thread, also from `on_frame`, in
-any order and any number of times; each returns within seconds whatever the device does.
-Coming back after the device was lost is the transport's duty. That a device is alive is
-known by one thing only: that data arrived.
+All six may be called from any thread, in any order and any number of times. The four calls may
+come from within `on_frame`: there `open` and `start` do nothing, and `stop` and `close` take
+effect when that call has returned. Only `TransportError` is raised, by `open` and `start` only.
+`open` and `start` return within 5 seconds, `stop` and `close` within one, whatever the device
+does; within 5 if `on_frame` does not return. `is_open` and `health` never wait.
+
+Coming back after the device was lost is the transport's duty, as long as it is started. That a
+device is alive is known by one thing only: that data arrived. What a transport does for itself
+while it is stopped, and its state then when the device is away, is its own affair.
+
+Dates and monotonic times are those of the context's clock. The log says each change in a line,
+and nothing of each try. `Tally` counts and `hand_over` calls `on_frame` as promised here.
+`rosbase.testing.TransportContract` checks all of it.
 """
 
 from abc import ABC, abstractmethod
@@ -61,7 +71,10 @@ class TransportHealth:
     last_data_ns: int | None = None
     """When bytes last arrived, on the monotonic clock; None if none ever did."""
     last_error: str = ""
-    """Why the device could not be opened or was lost, the last time; one line."""
+    """Why the device could not be opened or was lost, the last time; one line.
+
+    Empty if neither happened, or once the device is back and has proved to stay.
+    """
 
 
 @define
@@ -119,40 +132,45 @@ class Transport(ABC):
     def open(self) -> None:
         """Takes the device. Does nothing if it is open.
 
-        A transport that was told to wait for its device returns without it, and takes it
-        when it comes, once started.
+        May wait for the device to answer, 5 seconds at most. A transport that was told to wait
+        for a device that is absent returns without it, and takes it when it comes, once started.
 
         Raises:
-            TransportError: The device cannot be had; the subclass and the one line say why.
+            TransportError: The device cannot be had; the subclass says which kind of reason it
+                is, the one line names the device. It may be tried again.
         """
 
     @abstractmethod
     def start(self, on_frame: OnFrame) -> None:
         """Starts handing over the frames that arrive from now on, on the reader thread.
 
-        What the device sent before is discarded: it is not known when. An exception from
-        `on_frame` is logged, and reading goes on. Does nothing if the reader runs.
+        Opens the device if it is not open. What the device sent before is discarded: it is not
+        known when. What it sends once `start` has returned is handed over. An exception from
+        `on_frame` is logged, and reading goes on. Does nothing if the reader runs: whoever wants
+        another `on_frame` stops it first.
 
         Raises:
-            TransportError: The transport is not open, and opening it failed.
+            TransportError: The transport is not open, and opening it failed; or the system has
+                no more threads or descriptors.
         """
 
     @abstractmethod
     def stop(self) -> None:
-        """Ends the reader thread. When it returns, `on_frame` is not called again.
+        """Ends the reading and keeps the device. When it returns, `on_frame` is not called again.
 
-        The exceptions: from within `on_frame` the thread ends after that call; and if
-        `on_frame` itself does not return in time, it is left behind and ends with it.
+        Waits for an `on_frame` that runs. The exceptions: from within `on_frame` the reading ends
+        after that call; and an `on_frame` that does not return for some seconds is left behind
+        with its thread, which ends with it.
         """
 
     @abstractmethod
     def close(self) -> None:
-        """Stops, and releases the device."""
+        """Stops, and releases the device, with every thread and descriptor."""
 
     @property
     @abstractmethod
     def is_open(self) -> bool:
-        """Whether the device is held at this moment."""
+        """Whether the device is held at this moment; without waiting."""
 
     @property
     @abstractmethod
@@ -170,6 +188,8 @@ class SimulatedDevice(Protocol):
 
     def send(self, payload: bytes) -> None:
         """Sends one payload as a device does, delimiter included. Waits while the link is full.
+
+        When it returns, the payload is with whoever reads at that moment, or on its way there.
 
         Raises:
             TransportError: The link has been closed.

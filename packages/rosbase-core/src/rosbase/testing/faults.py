@@ -13,13 +13,8 @@ __all__ = ["Faults"]
 class Faults:
     """Says what goes wrong with the devices that an `OpenDevice` opens.
 
-    ```
-    faults = Faults(lambda: Port(config))
-    transport = DeviceTransport(faults.open, context, framer=LineFramer())
-    ```
-
-    Everything may be set from any thread, before the device is opened or while it is read. Needs
-    Linux.
+    A `DeviceTransport` is made with `faults.open` in place of what is given here. Everything may
+    be set from any thread, before the device is opened or while it is read. Needs Linux.
     """
 
     def __init__(self, open_device: OpenDevice) -> None:

@@ -21,15 +21,6 @@ class FramerContract:
 
     Must say: `make_framer` and `encode`. May say: `payloads` and the limits. The checks are not to
     be overridden.
-
-    ```
-    class TestLineFramer(FramerContract):
-        def make_framer(self):
-            return LineFramer()
-
-        def encode(self, payload):
-            return payload + bytes([10])
-    ```
     """
 
     frames_lost_after_junk: ClassVar[int] = 1
