@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import pytest
 
 from rosbase.testing import BrokenPromiseError, TransportContract
-from rosbase.testing.promised import promises_of
-from rosbase.testing.transport_promises import PREPARATIONS
+from rosbase.testing.transport_kit.promised import promises_of
+from rosbase.testing.transport_kit.promises import PREPARATIONS
 from support.mutants import LEAKED, MUTANTS, RELEASE, Mutant
 
 CHECKS = {promise.name: promise for promise in promises_of(TransportContract)}

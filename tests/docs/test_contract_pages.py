@@ -7,9 +7,9 @@ import pytest
 from rosbase.testing import FramerContract, TransportCapabilities, TransportContract
 from rosbase.testing.framer_promises import FRAMER_PROMISES
 from rosbase.testing.promise import Promise
-from rosbase.testing.promised import promises_of
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_promises import PREPARATIONS
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.promised import promises_of
+from rosbase.testing.transport_kit.promises import PREPARATIONS
 from support.code_blocks import ROOT
 
 CHECKED = promises_of(TransportContract)

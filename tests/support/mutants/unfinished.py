@@ -1,7 +1,7 @@
 """What an author has not written yet, or has got wrong."""
 
 from rosbase.testing import TransportCapabilities
-from rosbase.testing.transport_author import TransportAuthor
+from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext
 from support.fifo import FifoContract
 from support.mutants.mutant import Wrapped, mutant

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from rosbase.testing.recorded_log import RecordedLog
     from rosbase.testing.recording import Received, RecordingSubscriber
     from rosbase.testing.scripted_transport import ScriptedTransport
-    from rosbase.testing.transport_capabilities import FullPeer, TransportCapabilities
     from rosbase.testing.transport_contract import TransportContract
+    from rosbase.testing.transport_kit.capabilities import FullPeer, TransportCapabilities
 
 __all__ = [
     "BackendCapabilities",
@@ -45,14 +45,14 @@ _HOMES = {
     "BrokenPromiseError": "promise",
     "Faults": "faults",
     "FramerContract": "framer_contract",
-    "FullPeer": "transport_capabilities",
+    "FullPeer": "transport_kit.capabilities",
     "ManualClock": "clock",
     "Promise": "promise",
     "Received": "recording",
     "RecordedLog": "recorded_log",
     "RecordingSubscriber": "recording",
     "ScriptedTransport": "scripted_transport",
-    "TransportCapabilities": "transport_capabilities",
+    "TransportCapabilities": "transport_kit.capabilities",
     "TransportContract": "transport_contract",
     "virtual_backend": "backend",
 }

@@ -1,13 +1,13 @@
 """The conformance kit for transports: subclass `TransportContract` in a test."""
 
-from rosbase.testing.transport_bounds import BoundChecks
-from rosbase.testing.transport_calls import CallChecks
-from rosbase.testing.transport_delivery import DeliveryChecks
-from rosbase.testing.transport_frames import FrameChecks
-from rosbase.testing.transport_health import HealthChecks
-from rosbase.testing.transport_losses import LossChecks
-from rosbase.testing.transport_machine import HistoryChecks
-from rosbase.testing.transport_resources import ResourceChecks
+from rosbase.testing.transport_kit.bounds import BoundChecks
+from rosbase.testing.transport_kit.calls import CallChecks
+from rosbase.testing.transport_kit.delivery import DeliveryChecks
+from rosbase.testing.transport_kit.frames import FrameChecks
+from rosbase.testing.transport_kit.health import HealthChecks
+from rosbase.testing.transport_kit.losses import LossChecks
+from rosbase.testing.transport_kit.machine import HistoryChecks
+from rosbase.testing.transport_kit.resources import ResourceChecks
 
 __all__ = ["TransportContract"]
 

@@ -1,11 +1,11 @@
 """What a transport takes, it gives back, and it never takes more and more."""
 
-from rosbase.testing.flood import Flood
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.resources import descriptors, memory_growth, threads
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
+from rosbase.testing.transport_kit.flood import Flood
 
 __all__ = ["ResourceChecks"]
 

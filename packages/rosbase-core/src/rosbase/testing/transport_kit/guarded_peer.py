@@ -6,11 +6,11 @@ from typing import Any
 
 from rosbase.errors import TransportError
 from rosbase.parameters import ParameterValue
-from rosbase.testing.caller import Caller, StillRunningError
 from rosbase.testing.promise import Promise
 from rosbase.testing.seen import not_written, raised
-from rosbase.testing.transport_capabilities import FullPeer
-from rosbase.testing.transport_promises import PEER
+from rosbase.testing.transport_kit.caller import Caller, StillRunningError
+from rosbase.testing.transport_kit.capabilities import FullPeer
+from rosbase.testing.transport_kit.promises import PEER
 
 __all__ = ["GuardedPeer"]
 

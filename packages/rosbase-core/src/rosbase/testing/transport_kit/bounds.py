@@ -1,10 +1,10 @@
 """The four calls return in time, whatever the device and the subscriber do."""
 
-from rosbase.testing.flood import Flood
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
+from rosbase.testing.transport_kit.flood import Flood
 
 __all__ = ["BoundChecks"]
 

@@ -1,9 +1,9 @@
 """A device that is absent, or lost, and comes back."""
 
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
 from rosbase.transport import TransportState
 
 __all__ = ["LossChecks"]

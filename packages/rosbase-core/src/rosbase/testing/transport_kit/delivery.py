@@ -2,13 +2,13 @@
 
 from itertools import pairwise
 
-from rosbase.testing.clocks import FailingClock, ShiftedClock
-from rosbase.testing.guarded_peer import GuardedPeer
-from rosbase.testing.guarded_transport import GuardedTransport
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
+from rosbase.testing.transport_kit.clocks import FailingClock, ShiftedClock
+from rosbase.testing.transport_kit.guarded_peer import GuardedPeer
+from rosbase.testing.transport_kit.guarded_transport import GuardedTransport
 from rosbase.transport import TransportState
 
 __all__ = ["DeliveryChecks"]

@@ -5,10 +5,10 @@ from typing import Any, TypeVar
 
 import pytest
 
-from rosbase.testing.promised import promise_of
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_promises import PAGE
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.promised import promise_of
+from rosbase.testing.transport_kit.promises import PAGE
 
 __all__ = ["check"]
 

@@ -1,9 +1,9 @@
 """What the device sends is handed over as it was sent, all of it, once, and nothing else."""
 
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
 
 __all__ = ["FrameChecks"]
 

@@ -10,15 +10,15 @@ from attrs import frozen
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import ParameterValue
-from rosbase.testing.guarded_peer import GuardedPeer
-from rosbase.testing.guarded_transport import GuardedTransport, Limits
 from rosbase.testing.promise import BrokenPromiseError, Promise
 from rosbase.testing.recorded_log import RecordedLog
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.seen import not_written, raised
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_capabilities import ABILITIES, FullPeer
-from rosbase.testing.transport_promises import FACTORY, PEER, PEER_ABILITIES
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.capabilities import ABILITIES, FullPeer
+from rosbase.testing.transport_kit.guarded_peer import GuardedPeer
+from rosbase.testing.transport_kit.guarded_transport import GuardedTransport, Limits
+from rosbase.testing.transport_kit.promises import FACTORY, PEER, PEER_ABILITIES
 from rosbase.transport import SimulatedDevice, Transport, TransportContext, TransportState
 
 __all__ = ["Bench"]

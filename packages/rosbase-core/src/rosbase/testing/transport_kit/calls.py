@@ -8,9 +8,9 @@ import pytest
 
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.resources import descriptors, threads
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
 from rosbase.transport import Transport, TransportState
 
 __all__ = ["CallChecks"]

@@ -3,8 +3,8 @@
 from typing import ClassVar
 
 from rosbase.plugins import TransportPlugin, installed_plugins
-from rosbase.testing.transport_capabilities import TransportCapabilities
-from rosbase.testing.transport_promises import FACTORY, PEER
+from rosbase.testing.transport_kit.capabilities import TransportCapabilities
+from rosbase.testing.transport_kit.promises import FACTORY, PEER
 from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = ["TransportAuthor"]

@@ -1,9 +1,9 @@
 """Health and is_open say what is so, at once."""
 
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.transport_author import TransportAuthor
-from rosbase.testing.transport_bench import Bench
-from rosbase.testing.transport_check import check
+from rosbase.testing.transport_kit.author import TransportAuthor
+from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.check import check
 from rosbase.transport import TransportState
 
 __all__ = ["HealthChecks"]

@@ -1,0 +1,1 @@
+"""What `rosbase.testing.transport_contract` is made of."""
