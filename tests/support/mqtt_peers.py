@@ -3,6 +3,7 @@
 import itertools
 import threading
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from rosbase.errors import TransportError
@@ -18,24 +19,29 @@ class ScriptedPeer:
 
     def __init__(self) -> None:
         self._broker = ScriptedBroker()
+        self._is_plugged = True
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
         return {"server_address": self._broker.address}
 
     def send(self, payload: bytes) -> None:
-        try:
-            self._broker.send(publish_packet(b"esp32/imu", payload))
-        except OSError as error:
-            raise TransportError(f"the broker has lost its client: {error}") from error
+        if not self._is_plugged:
+            raise TransportError("the broker has ended")
+        for client in list(self._broker.peers):
+            # It may have gone, and the broker not yet noticed.
+            with suppress(OSError):
+                client.send(publish_packet(b"esp32/imu", payload))
 
     send_raw = send
 
     def unplug(self) -> None:
+        self._is_plugged = False
         self._broker.close()
 
     def replug(self) -> None:
         self._broker = ScriptedBroker(port=self._broker.port)
+        self._is_plugged = True
 
     close = unplug
 

@@ -162,7 +162,7 @@ class Bench:
             )
 
     def in_background(self, call: Callable[[], object]) -> threading.Thread:
-        """Makes a call on another thread, which is ended at the end of the check."""
+        """Makes a call on another thread, and gives the thread."""
         thread = threading.Thread(target=call, name="rosbase-kit-background", daemon=True)
         thread.start()
         return thread
