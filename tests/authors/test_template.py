@@ -35,7 +35,8 @@ class Author:
         (self.project / folder / name).write_text(FILES[name])
 
     def run(self, *command: str) -> "subprocess.CompletedProcess[str]":
-        path = f"{self.site}{os.pathsep}{self.project / 'src'}"
+        given = filter(None, [os.environ.get("PYTHONPATH")])
+        path = os.pathsep.join([str(self.site), str(self.project / "src"), *given])
         return subprocess.run(
             [sys.executable, "-W", "error", "-m", *command],
             check=False,
