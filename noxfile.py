@@ -4,6 +4,7 @@ Each session builds the wheels that it needs and installs them into an environme
 own, as a user would. Nothing is installed from the source tree.
 """
 
+import os
 import shutil
 import subprocess
 import sys
@@ -28,8 +29,8 @@ ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a wheel is to be installed with, by the name of its package.
 EXTRAS = {"imu_mqtt": "[broker]"}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
-# Most tests wait for something; two processes wait side by side.
-PYTEST = ["pytest", "-q", "-n", "2"]
+# Most tests wait for something, so more of them can run than there are processors.
+PYTEST = ["pytest", "-q", "-n", str((os.cpu_count() or 1) + 1)]
 LINTERS = ["ruff==0.17.6"]
 SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
 OLDEST = "3.11"
