@@ -34,6 +34,14 @@ def test_a_broken_plugin_is_recorded_and_the_others_work(site: Path, fault: str)
     assert "\n" not in broken.failure
 
 
+def test_a_name_of_a_plugin_that_failed_leads_to_the_reason(site: Path) -> None:
+    install_plugin(site, "acme", "udp", "import acme_radio\n")
+    with pytest.raises(NotInstalledError) as caught:
+        load(site).transport("udp")
+    why = "acme:udp failed: ModuleNotFoundError: No module named 'acme_radio'"
+    assert str(caught.value) == f"transport 'udp' cannot be used: {why}"
+
+
 def test_all_kinds_of_broken_plugins_together_harm_nobody(site: Path) -> None:
     for fault, (code, _) in BROKEN_PLUGINS.items():
         install_plugin(site, f"broken-{fault.replace('_', '-')}", fault, code)

@@ -212,11 +212,11 @@ class PluginRegistry:
         package = _OURS.get((kind, name))
         for record in self._plugins:
             is_owner = record.distribution == package
-            if record.failure and (is_owner or f"'{name}'" in record.failure):
+            # What it would bring is often not known: it has not been imported.
+            is_likely = name.partition(".")[0] in (record.name, record.candidate.package)
+            if record.failure and (is_owner or is_likely or f"'{name}'" in record.failure):
                 return _says(kind, name, f"{record.full_name} failed: {record.failure}")
-            # What it would bring is not known: it has not been imported.
-            likely = record.name, record.candidate.package
-            if record.is_blocked and (is_owner or name.partition(".")[0] in likely):
+            if record.is_blocked and (is_owner or is_likely):
                 return _says(kind, name, f"{record.full_name} is blocked by {BLOCK_VARIABLE}")
         return ""
 
