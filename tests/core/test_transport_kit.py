@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from rosbase.testing import BrokenPromiseError, TransportContract
+from rosbase.testing.transport_kit.flood import Flood
 from rosbase.testing.transport_kit.promised import promises_of
 from rosbase.testing.transport_kit.promises import PREPARATIONS
 from support.mutants import LEAKED, MUTANTS, RELEASE, Mutant
@@ -43,3 +44,23 @@ def test_a_mutant_is_rejected_with_the_promise_that_it_breaks(mutant: Mutant) ->
 def test_no_check_is_without_a_mutant() -> None:
     names = {*CHECKS, *(promise.name for promise in PREPARATIONS)}
     assert names == {mutant.promise for mutant in MUTANTS}
+
+
+def test_a_stop_that_hangs_does_not_hang_the_check_of_health() -> None:
+    promise = "calls-are-bounded-while-on-frame-hangs"
+    contract = next(mutant for mutant in MUTANTS if mutant.promise == promise).contract()
+    contract.setup_method()
+    try:
+        contract.test_health_never_waits()
+        assert not RELEASE.is_set()
+    finally:
+        contract.teardown_method()
+
+
+def test_a_flood_over_a_link_in_this_process_costs_memory_for_each_payload() -> None:
+    sent: list[bytes] = []
+    flood = Flood(sent.append, [b"x" * 100])
+    flood.wait_for(1_000, 5.0)
+    flood.end()
+    assert sent[0] == sent[1]
+    assert sent[0] is not sent[1]

@@ -128,7 +128,7 @@ class DeliveryChecks(TransportAuthor):
         stamp_ns, last_ns = subscriber.received[0].stamp_ns, transport.health.last_data_ns
         off_s = (stamp_ns - sent_ns) / 1e9
         is_now = sent_ns <= stamp_ns <= clock.now_ns()
-        bench.require(is_now, f"on a clock of the kit's, the stamp is {off_s:.1f} s off")
+        bench.require(is_now, f"on a clock of the kit's, the stamp is {off_s:.3f} s off")
         is_now = last_ns is not None and sent_at_ns <= last_ns <= clock.monotonic_ns()
         bench.require(is_now, "health.last_data_ns is not the clock's monotonic_ns")
 

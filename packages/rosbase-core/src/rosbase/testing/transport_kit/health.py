@@ -80,7 +80,9 @@ class HealthChecks(TransportAuthor):
         with bench.hanging(peer, transport):
             _ = (transport.health, transport.is_open)
             ending = bench.in_background(transport.made.stop)
-            while ending.is_alive():
+            deadline_ns = bench.clock.monotonic_ns() + int(self.call_limit_s * 1e9)
+            # That stop ends is another promise.
+            while ending.is_alive() and bench.clock.monotonic_ns() < deadline_ns:
                 _ = (transport.health, transport.is_open)
                 ending.join(0.05)
 
