@@ -131,7 +131,7 @@ def typing(session: nox.Session) -> None:
     session.run("mypy", "docs/conf.py", "docs/generators")
     for example in sorted(EXAMPLES.glob("*/")):
         # One by one: each is run from its own folder, and module names repeat.
-        session.run("mypy", str(example), env={"MYPYPATH": str(example)})
+        session.run("mypy", str(example), env={"MYPYPATH": f"{example}:{example / 'src'}"})
 
 
 @nox.session

@@ -6,6 +6,7 @@ import sys
 
 from rosbase.imu.simulator import payload_at
 from rosbase.messages import Time
+from support.command import Lines
 from support.waiting import wait_until
 
 
@@ -20,25 +21,21 @@ def test_rosbase_imu_reads_datagrams() -> None:
     command = [sys.executable, "-u", "-W", "error", "-m", "rosbase", "imu", "--topic-echo"]
     parameters = ["-p", "comm_t:=udp", "-p", f"udp_address:=127.0.0.1:{port}"]
     with (
-        subprocess.Popen([*command, *parameters], stdout=subprocess.PIPE) as process,
+        subprocess.Popen([*command, *parameters], stdout=subprocess.PIPE, text=True) as process,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device,
     ):
-        try:
-            assert process.stdout is not None
-            # Somebody must listen before anything can be lost.
-            wait_until(lambda: is_bound(port), "the reader")
+        assert process.stdout is not None
+        out = Lines(process.stdout)
+
+        def echoes() -> bool:
+            # What comes before the reader is active is discarded.
             device.sendto(payload_at(0.5, Time(1, 2)), ("127.0.0.1", port))
-            assert b"linear_acceleration" in process.stdout.readline()
+            return any("linear_acceleration" in line for line in out.lines)
+
+        try:
+            wait_until(echoes, "a sample")
             process.terminate()
             assert process.wait(20) == 0
         finally:
             process.kill()
-
-
-def is_bound(port: int) -> bool:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.bind(("127.0.0.1", port))
-        except OSError:
-            return True
-    return False
+            out.join()
