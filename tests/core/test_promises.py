@@ -12,18 +12,47 @@ def test_it():
 """
 
 
-def test_pytest_shows_a_broken_promise_as_four_lines(tmp_path: Path) -> None:
-    (tmp_path / "test_it.py").write_text(TEST)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)]
-    shown = subprocess.run(command, check=False, capture_output=True, text=True, cwd=tmp_path)
+UNFINISHED = """
+from rosbase.local import LocalBackend
+from rosbase.testing import BackendContract
+
+class Unfinished(LocalBackend):
+    def create_subscription(self, *args):
+        raise NotImplementedError("subscribe here")
+
+class TestUnfinished(BackendContract):
+    def make_backend(self, options):
+        return Unfinished(options)
+"""
+
+
+def failures_of(test: str, folder: Path, *arguments: str) -> str:
+    (folder / "test_it.py").write_text(test)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
+    shown = subprocess.run(command, check=False, capture_output=True, text=True, cwd=folder)
     assert shown.returncode == 1
+    return shown.stdout
+
+
+def test_an_error_that_no_check_expects_breaks_its_promise_and_keeps_its_traceback(
+    tmp_path: Path,
+) -> None:
+    shown = failures_of(UNFINISHED, tmp_path, "-k", "keep_all_drops_none")
+    assert "broken promise: keep-all-drops-none\n" in shown
+    assert "a call raised NotImplementedError('subscribe here'), in test_it.py:7\n" in shown
+    assert "docs/plugins/backend-contract.md#keep-all-drops-none" in shown
+    assert "def create_subscription" in shown
+
+
+def test_pytest_shows_a_broken_promise_as_four_lines(tmp_path: Path) -> None:
+    shown = failures_of(TEST, tmp_path)
     assert (
         "broken promise: stop-is-bounded\n"
         "  promised: stop returns\n"
         "  seen:     it took 9 s\n"
         "  more:     docs/plugins/transport.md#stop-is-bounded\n"
-    ) in shown.stdout
-    assert "def require" not in shown.stdout
+    ) in shown
+    assert "def require" not in shown
 
 
 WITHOUT_TOOLS = """

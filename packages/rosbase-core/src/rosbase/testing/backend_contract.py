@@ -15,6 +15,7 @@ fails says what was promised, what was seen instead, and where more is written a
 from rosbase.testing.backend_kit.ending import EndingChecks
 from rosbase.testing.backend_kit.opening import OpeningChecks
 from rosbase.testing.backend_kit.parameters import ParameterChecks
+from rosbase.testing.backend_kit.promises import PROMISES
 from rosbase.testing.backend_kit.quality import QualityChecks
 from rosbase.testing.backend_kit.rig import BackendCapabilities
 from rosbase.testing.backend_kit.threads import ThreadChecks
@@ -40,3 +41,8 @@ class BackendContract(
     May define: `capabilities`, for whatever the backend can that not every one can; `make_peer`,
     where another backend of the same world is made otherwise; `patience_s`, on slow machines.
     """
+
+
+for _name, _promise in PROMISES.items():
+    # pytest shows it where a backend raises what nobody expects.
+    getattr(BackendContract, f"test_{_name.replace('-', '_')}").promise = _promise

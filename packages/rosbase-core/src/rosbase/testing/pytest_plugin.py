@@ -5,18 +5,26 @@ from typing import Any
 
 import pytest
 
-from rosbase.testing.promise import BrokenPromiseError
+from rosbase.testing.promise import BrokenPromiseError, Promise
+from rosbase.testing.seen import raised
 
 __all__ = ["pytest_runtest_makereport"]
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
+    item: pytest.Item,
     call: "pytest.CallInfo[None]",
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Leaves out the kit's own code, which the author of a plugin cannot mend."""
+    """Leaves out the kit's own code, which the author of a plugin cannot mend.
+
+    An error that a check did not expect breaks its promise too, and keeps its traceback.
+    """
     report = yield
     error: Any = call.excinfo.value if call.excinfo is not None else None
+    promise: Promise | None = getattr(getattr(item, "function", None), "promise", None)
     if isinstance(error, BrokenPromiseError):
         report.longrepr = str(error)
+    elif promise is not None and isinstance(error, Exception):
+        report.longrepr = f"{promise.broken(raised('a call', error))}\n\n{report.longrepr}"
     return report
