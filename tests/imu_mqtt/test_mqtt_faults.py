@@ -9,6 +9,7 @@ import threading
 import pytest
 
 from imu_mqtt.connection import RefusedError
+from imu_mqtt.network_thread import NetworkThread
 from imu_mqtt.simulator import EmbeddedBroker
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.errors import DeviceNotFoundError, TransportError
@@ -330,6 +331,22 @@ def test_m10_stopping_does_not_wait_for_a_broker_that_does_not_answer(
     assert elapsed(transport.stop) < 0.5
     assert elapsed(transport.close) < 0.5
     assert "left behind" not in caplog.text
+
+
+def test_m10_what_opens_is_known_to_close_before_it_runs(
+    rig: MqttRig, broker: ScriptedBroker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    transport = rig.transport(broker.address)
+    states = []
+    start = NetworkThread.start
+
+    def noting(thread: NetworkThread) -> None:
+        states.append(transport.health.state)
+        start(thread)
+
+    monkeypatch.setattr(NetworkThread, "start", noting)
+    transport.open()
+    assert states == [TransportState.RECONNECTING]
 
 
 def test_m10_closing_ends_an_open_that_waits(rig: MqttRig, broker: ScriptedBroker) -> None:

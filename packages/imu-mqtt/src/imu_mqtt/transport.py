@@ -48,7 +48,7 @@ class MqttTransport(Transport):
             # Of a thread that has failed both may be left.
             self._end_subscription()
             self._end_network()
-            self._network = network = self._begin_network()
+            network = self._begin_network()
             failure = network.await_attempt(_OPEN_TIMEOUT_S)
             if failure is None or (self._config.wait_for_broker and not network.is_stopping):
                 return
@@ -122,8 +122,11 @@ class MqttTransport(Transport):
     def _begin_network(self) -> NetworkThread:
         try:
             network = NetworkThread(self._config, self._context, self._tally)
+            # Known before it runs: `close` asks it to stop without waiting for `open`.
+            self._network = network
             network.start()
         except (OSError, RuntimeError) as error:
+            self._network = None
             raise TransportError(f"no thread can be started: {error}") from error
         return network
 
