@@ -104,9 +104,10 @@ def test_bytes_that_are_not_text_neither_block_nor_grow_the_manager(
     register: Register, caplog: pytest.LogCaptureFixture
 ) -> None:
     before_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    wait_for_end(register({}, {"x": "printf 'a\\377b\\n'; head -c 10000000 /dev/urandom"}))
+    wait_for_end(register({}, {"x": "printf 'a\\377b\\n'; head -c 50000000 /dev/urandom"}))
     after_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert after_kb - before_kb < 4_000
+    # `caplog` keeps the lines that are logged.
+    assert after_kb - before_kb < 25_000
     assert caplog.messages[0] == "x: a\\xffb"
     assert "more lines" in caplog.text
 
