@@ -42,7 +42,7 @@ def run(
         capabilities = declared
 
         def make_backend(self, options: BackendOptions) -> Backend:
-            return kind(options)  # type: ignore[call-arg, arg-type]
+            return kind(options)  # type: ignore[call-arg, arg-type]  # each mutant takes options
 
     kit = Kit()
     kit.setup_method()

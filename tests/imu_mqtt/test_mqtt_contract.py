@@ -32,5 +32,5 @@ class TestMqttOnMosquitto(TestMqtt):
     def folder(self, tmp_path: Path) -> None:
         self._folder = tmp_path
 
-    def make_peer(self) -> MosquittoPeer:  # type: ignore[override]
+    def make_peer(self) -> MosquittoPeer:  # type: ignore[override]  # not its base's kind
         return MosquittoPeer(self._folder)

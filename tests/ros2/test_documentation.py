@@ -27,6 +27,7 @@ def for_ros(kind: str) -> list[str]:
 def unit(block: Block) -> configparser.SectionProxy:
     """What systemd runs."""
     parser = configparser.ConfigParser(interpolation=None, strict=True)
+    # As configparser's documentation has it.
     parser.optionxform = str  # type: ignore[assignment,method-assign]
     parser.read_string(block.text)
     return parser["Service"]

@@ -82,7 +82,7 @@ class TroublesWhoLogsLate(LocalBackend):
                 raise BackendError("the backend is closed")
             return True
 
-        handler.handle = handle  # type: ignore[method-assign]
+        handler.handle = handle  # type: ignore[method-assign]  # which is what is wrong
 
 
 @breaks("log-handler-raises-nothing")

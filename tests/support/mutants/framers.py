@@ -30,7 +30,7 @@ class LineContract(FramerContract):
 
 
 class NoFramer(LineContract):
-    def make_framer(self) -> None:  # type: ignore[override]
+    def make_framer(self) -> None:  # type: ignore[override]  # which is what is wrong
         return None
 
 
@@ -47,7 +47,7 @@ class NoEncoding(FramerContract):
 
 
 class NoReset(LineContract):
-    def make_framer(self) -> object:  # type: ignore[override]
+    def make_framer(self) -> object:  # type: ignore[override]  # which is what is wrong
         return type("Half", (), {"feed": LineFramer().feed})()
 
 
@@ -90,7 +90,7 @@ class Decoding(LineFramer):
 
 class Yielding(LineFramer):
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
-        return iter(super().feed(data, stamp_ns))  # type: ignore[return-value]
+        return iter(super().feed(data, stamp_ns))  # type: ignore[return-value]  # which is what is wrong
 
 
 class Growing(LineFramer):

@@ -22,13 +22,13 @@ class LeavesStartUnwritten(Wrapped):
 @mutant("every-call-is-written", "health gave None")
 class HasNoHealth(Wrapped):
     @property
-    def health(self) -> None:  # type: ignore[override]
+    def health(self) -> None:  # type: ignore[override]  # which is what is wrong
         return None
 
 
 @mutant("a-peer-plays-the-device", "make_peer gave None")
 class MakesNoPeer(FifoContract):
-    def make_peer(self) -> None:  # type: ignore[override]
+    def make_peer(self) -> None:  # type: ignore[override]  # which is what is wrong
         return None
 
 
@@ -40,7 +40,7 @@ class WritesNoPeer(FifoContract):
 
 @mutant("a-peer-plays-the-device", "str has no parameters and no send and no close")
 class MakesAPeerThatDoesNothing(FifoContract):
-    def make_peer(self) -> str:  # type: ignore[override]
+    def make_peer(self) -> str:  # type: ignore[override]  # which is what is wrong
         return "a peer"
 
 
@@ -68,7 +68,7 @@ class DeclaresTooMuch(FifoContract):
 
 @mutant("a-transport-is-made", "make_transport gave None")
 class MakesNoTransport(FifoContract):
-    def make_transport(  # type: ignore[override]
+    def make_transport(  # type: ignore[override]  # which is what is wrong
         self, peer: SimulatedDevice, context: TransportContext
     ) -> None:
         return None

@@ -345,7 +345,7 @@ def _client(config: MqttConfig) -> mqtt.Client:
 
 
 def _limits() -> Properties:
-    limits = Properties(PacketTypes.CONNECT)  # type: ignore[no-untyped-call]
+    limits = Properties(PacketTypes.CONNECT)  # type: ignore[no-untyped-call]  # paho's
     limits.MaximumPacketSize = _MAX_PACKET_BYTES
     return limits
 

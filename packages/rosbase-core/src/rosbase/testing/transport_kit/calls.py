@@ -148,6 +148,7 @@ class CallChecks(TransportAuthor):
             bench.require(visitor.calls == 1, seen)
             if ending == "close":
                 bench.wait_until(
+                    # mypy does not infer what a default of a lambda is.
                     lambda made=transport: made.state is TransportState.CLOSED,  # type: ignore[misc]
                     "health.state to be CLOSED after a close from within on_frame",
                 )
