@@ -20,7 +20,6 @@ class LineContract(FramerContract):
     """Of lines."""
 
     framer: type[Framer] = LineFramer
-    examples = 40
 
     def make_framer(self) -> Framer:
         return self.framer()
