@@ -2,6 +2,7 @@
 
 import logging
 import os
+import signal
 import threading
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -12,6 +13,12 @@ from hypothesis import settings
 # Machines that run tests are busy; the time limit of the test run is the one that counts.
 settings.register_profile("rosbase", deadline=None)
 settings.load_profile("rosbase")
+
+# Whoever runs us in the background, as with nohup, has us ignore signals, and every process that
+# a test starts would too.
+for _signum in (signal.SIGHUP, signal.SIGINT):
+    if signal.getsignal(_signum) is signal.SIG_IGN:
+        signal.signal(_signum, signal.SIG_DFL)
 
 _FDS = Path("/proc/self/fd")
 _CHILDREN = Path("/proc/self/task")
