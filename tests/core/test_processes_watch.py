@@ -25,6 +25,9 @@ from support.waiting import wait_until
 
 Register = Callable[..., ChildProcesses]
 
+UNTIL_STOPPED = "until grep -q '^State:.T' /proc/$$/status; do sleep 0.01; done"
+"""Waits for the shell to be stopped, in a process that it has begun."""
+
 
 @pytest.fixture
 def register(caplog: pytest.LogCaptureFixture) -> Iterator[Register]:
@@ -179,7 +182,7 @@ def test_a_stop_while_a_restart_is_due_keeps_the_child_stopped(
     ("command", "code"),
     [
         ("trap '' INT TERM; echo up; while true; do sleep 1000; done", -signal.SIGKILL),
-        ("echo up; kill -STOP $$", -signal.SIGKILL),
+        (f"({UNTIL_STOPPED}; echo up) & kill -STOP $$", -signal.SIGKILL),
         ("trap 'exit 0' TERM; trap '' INT; echo up; while true; do sleep 0.01; done", 0),
     ],
     ids=["deaf to all but SIGKILL", "stopped", "heeds SIGTERM"],
@@ -202,6 +205,8 @@ def test_when_a_guardian_is_killed_all_of_its_command_is(
 ) -> None:
     processes = register({}, {"x": f"echo up; {command}"})
     wait_until(lambda: "x: up" in caplog.messages, "its start")
+    # What it writes may come before the news that it has started.
+    wait_until(lambda: processes["x"].pid, "the news of its start")
     pid = processes["x"].pid
     assert pid is not None
     wait_until(lambda: sleepers(pid) == command.count("sleep"), "all of it")
