@@ -5,6 +5,18 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# Whether chance finds what is wrong with a mutant is decided once, not in each run.
+settings.register_profile("mutants", settings.get_profile("rosbase"), derandomize=True)
+
+
+@pytest.fixture
+def same_cases() -> Iterator[None]:
+    """Has hypothesis try the same cases in each run."""
+    settings.load_profile("mutants")
+    yield
+    settings.load_profile("rosbase")
 
 
 @pytest.fixture

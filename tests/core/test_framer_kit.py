@@ -6,6 +6,8 @@ from rosbase.testing import BrokenPromiseError, FramerContract
 from rosbase.testing.framer_promises import FRAMER_PROMISES
 from support.mutants.framers import FRAMER_MUTANTS, FramerMutant
 
+pytestmark = pytest.mark.usefixtures("same_cases")
+
 NAMES = {promise.name for promise in FRAMER_PROMISES}
 
 

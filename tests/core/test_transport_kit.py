@@ -11,6 +11,8 @@ from rosbase.testing.transport_kit.promised import promises_of
 from rosbase.testing.transport_kit.promises import PREPARATIONS
 from support.mutants import LEAKED, MUTANTS, RELEASE, Mutant
 
+pytestmark = pytest.mark.usefixtures("same_cases")
+
 CHECKS = {promise.name: promise for promise in promises_of(TransportContract)}
 
 

@@ -1,6 +1,7 @@
 """Mutants whose calls go wrong."""
 
 import threading
+from itertools import cycle
 from queue import SimpleQueue
 
 from rosbase.clock import SystemClock
@@ -11,6 +12,21 @@ from support.fifo import PARAMETERS, FifoContract, make_transport
 from support.mutants.mutant import Wrapped, mutant, wait_for_release
 
 PAUSE_NS = 1_000_000_000
+
+
+def take_turns(on_frame: OnFrame) -> OnFrame:
+    """Has another thread call it with every other frame."""
+    is_others = cycle((False, True))
+
+    def deliver(frame: bytes, stamp_ns: int) -> None:
+        if next(is_others):
+            thread = threading.Thread(target=on_frame, args=(frame, stamp_ns))
+            thread.start()
+            thread.join()
+        else:
+            on_frame(frame, stamp_ns)
+
+    return deliver
 
 
 @mutant("making-a-transport-touches-nothing", "opened 1 descriptors")
@@ -37,18 +53,33 @@ class PeerNamesStrangeParameters(FifoContract):
         return TransportPlugin("fifo", "lines", make_transport, PARAMETERS[1:])
 
 
-@mutant("each-call-may-be-made-twice", "after two starts")
+@mutant("each-call-may-be-made-twice", "threads hand over")
 class StartsTwoReaders(Wrapped):
-    def prepare(self) -> None:
-        self.others: list[Transport] = []
+    """Threads that read one device in turn: which of them is first is not left to the system."""
+
+    is_started = False
 
     def start(self, on_frame: OnFrame) -> None:
-        self.others.append(self.make())
-        self.others[-1].start(on_frame)
+        if self.is_started:
+            self.inner.stop()
+            self.inner.start(take_turns(on_frame))
+        else:
+            self.inner.start(on_frame)
+        self.is_started = True
 
-    def close(self) -> None:
-        for transport in (*self.others, self.inner):
-            transport.close()
+
+@mutant("each-call-may-be-made-twice", "after two starts frames came twice")
+class EachStartSubscribes(Wrapped):
+    def prepare(self) -> None:
+        self.subscribed: list[OnFrame] = []
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.subscribed.append(on_frame)
+        self.inner.start(self.deliver)
+
+    def deliver(self, frame: bytes, stamp_ns: int) -> None:
+        for on_frame in self.subscribed:
+            on_frame(frame, stamp_ns)
 
 
 @mutant("each-call-may-be-made-twice", "open() raised")

@@ -63,7 +63,7 @@ class Unbuffered(LineFramer):
 
 
 class Losing(LineFramer):
-    """Of what comes after a strange byte it makes one frame of two."""
+    """Of what comes after strange bytes it makes one frame of two."""
 
     held: Frame | None = None
     lost_place = False
@@ -77,7 +77,8 @@ class Losing(LineFramer):
             elif isinstance(event, Frame) and self.lost_place:
                 self.held, self.lost_place = event, False
             else:
-                self.lost_place = isinstance(event, Frame) and b"\xff" in event.data
+                # In whatever is no text, so that no search for one rare byte decides.
+                self.lost_place = isinstance(event, Frame) and not event.data.isascii()
                 events.append(event)
         return events
 

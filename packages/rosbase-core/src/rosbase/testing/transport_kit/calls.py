@@ -67,9 +67,13 @@ class CallChecks(TransportAuthor):
         transport.open()
         transport.start(subscriber)
         transport.start(subscriber)
-        sent = bench.payloads(20)
-        peer.send(*sent)
-        bench.wait_for(subscriber, len(sent))
+        sent = bench.payloads(40)
+        peer.send(*sent[:20])
+        bench.wait_for(subscriber, 20)
+        for count, payload in enumerate(sent[20:], start=21):
+            # One by one, for of two threads that wait either may be the first to wake.
+            peer.send(payload)
+            bench.wait_for(subscriber, count)
         bench.require(subscriber.frames == sent, "after two starts frames came twice or disordered")
         readers = {received.thread for received in subscriber.received}
         bench.require(len(readers) == 1, f"after two starts {len(readers)} threads hand over")
