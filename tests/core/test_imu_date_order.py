@@ -36,6 +36,14 @@ def test_a_clock_that_was_set_back_is_followed_after_two_seconds() -> None:
     assert seen == ["out_of_order", "out_of_order", "", ""]
 
 
+def test_a_clock_here_that_is_set_back_meanwhile_does_not_make_the_two_seconds_an_hour() -> None:
+    order = DateOrder()
+    assert judge(order, 9000 * S, 9000 * S) == ""
+    assert judge(order, 5400 * S, 9001 * S) == "out_of_order"
+    seen = [judge(order, (5401 + n) * S, (5401 + n) * S) for n in range(4)]
+    assert seen == ["out_of_order", "out_of_order", "", ""]
+
+
 def test_one_late_sample_now_and_then_never_counts_as_a_clock_that_was_set_back() -> None:
     order = DateOrder()
     for n in range(1, 20):

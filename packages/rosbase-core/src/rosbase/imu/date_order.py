@@ -33,7 +33,10 @@ class DateOrder:
         if date_ns == self._last_ns and sample == self._last:
             return Reject("duplicate")
         if date_ns < self._last_ns:
-            self._late_since_ns = self._late_since_ns or arrived_ns
+            if not 0 < self._late_since_ns <= arrived_ns:
+                # The first that is late; or the clock here was set back too, as one time server
+                # does with both.
+                self._late_since_ns = arrived_ns
             if arrived_ns - self._late_since_ns < _PATIENCE_NS:
                 late_s = (self._last_ns - date_ns) / 1e9
                 return Reject("out_of_order", f"{late_s:.3f} s before the last one")
