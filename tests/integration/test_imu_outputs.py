@@ -4,7 +4,8 @@ import os
 import subprocess
 import termios
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 import pytest
 
@@ -12,7 +13,25 @@ from rosbase.errors import TransportError
 from support.command import ROSBASE, summary_of
 from support.samples import GOOD_FRAME
 from support.serial_port import PluggablePort
-from support.waiting import wait_until
+
+
+@contextmanager
+def fed(port: PluggablePort) -> Iterator[None]:
+    """Within it, samples and junk are sent as fast as they are read; it ends with the port."""
+
+    def feed() -> None:
+        with suppress(TransportError):
+            while True:
+                port.write((GOOD_FRAME + b"\n") * 20 + b"junk\n")
+
+    feeder = threading.Thread(target=feed)
+    feeder.start()
+    try:
+        yield
+    finally:
+        # Ends the feeder too, which may wait for room on the line.
+        port.unplug()
+        feeder.join()
 
 
 def test_it_ends_quietly_when_nobody_reads_its_output(port: PluggablePort) -> None:
@@ -24,15 +43,10 @@ def test_it_ends_quietly_when_nobody_reads_its_output(port: PluggablePort) -> No
         text=True,
     ) as reader:
         assert reader.stdout is not None
-        reader.stdout.close()
-
-        def has_ended() -> bool:
-            port.write(GOOD_FRAME + b"\n")
-            return reader.poll() is not None
-
-        wait_until(has_ended, "the end")
         assert reader.stderr is not None
-        shown = reader.stderr.read()
+        reader.stdout.close()
+        with fed(port):
+            shown = reader.stderr.read()
     assert reader.returncode == 0
     assert "Traceback" not in shown
     assert "Exception" not in shown
@@ -107,13 +121,8 @@ def test_samples_on_a_full_disk_end_it_with_one_line(port: PluggablePort) -> Non
         ) as reader,
     ):
         assert reader.stderr is not None
-
-        def has_ended() -> bool:
-            port.write(GOOD_FRAME + b"\n")
-            return reader.poll() is not None
-
-        wait_until(has_ended, "the end")
-        shown = reader.stderr.read().splitlines()
+        with fed(port):
+            shown = reader.stderr.read().splitlines()
     assert reader.returncode == 1
     assert shown[-1] == "rosbase: cannot write: No space left on device"
 
@@ -142,15 +151,6 @@ def unread_terminal() -> tuple[int, int]:
     return os.openpty()
 
 
-def feed(port: PluggablePort) -> None:
-    """Sends samples and junk until the port is unplugged."""
-    try:
-        while True:
-            port.write((GOOD_FRAME + b"\n") * 20 + b"junk\n")
-    except (TransportError, AssertionError):
-        return
-
-
 @pytest.mark.parametrize("make", [stopped_terminal, full_pipe, unread_terminal])
 @pytest.mark.parametrize("streams", [["stdout"], ["stderr"], ["stdout", "stderr"]])
 def test_streams_that_take_nothing_do_not_hold_up_the_end(
@@ -164,15 +164,11 @@ def test_streams_that_take_nothing_do_not_hold_up_the_end(
         stdout=far_end if "stdout" in streams else ends["stdout"],
         stderr=far_end if "stderr" in streams else ends["stderr"],
     ) as reader:
-        feeder = threading.Thread(target=feed, args=(port,))
-        feeder.start()
         try:
-            assert reader.wait(15) == 0
+            with fed(port):
+                assert reader.wait(15) == 0
         finally:
             reader.kill()
-            # Ends the feeder too, which may wait for room on the line.
-            port.unplug()
-            feeder.join()
     os.close(own_end)
     os.close(far_end)
 
@@ -189,13 +185,10 @@ def test_a_log_that_nobody_reads_does_not_end_the_samples(port: PluggablePort) -
         assert reader.stderr is not None
         assert "opened" in reader.stderr.readline()
         reader.stderr.close()
-        feeder = threading.Thread(target=feed, args=(port,))
-        feeder.start()
-        shown = [reader.stdout.readline() for _ in range(500)]
-        reader.terminate()
-        reader.stdout.read()
-        port.unplug()
-        feeder.join()
+        with fed(port):
+            shown = [reader.stdout.readline() for _ in range(500)]
+            reader.terminate()
+            reader.stdout.read()
     assert all("linear_acceleration" in line for line in shown)
     assert reader.returncode == 0
 

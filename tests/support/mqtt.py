@@ -3,6 +3,7 @@
 import socket
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Self
 
 import paho.mqtt.client as paho
@@ -177,9 +178,10 @@ class ScriptedBroker:
         return f"tcp://127.0.0.1:{self.port}"
 
     def send(self, data: bytes) -> None:
-        """Sends to everybody."""
+        """Sends to everybody who is there."""
         for peer in list(self.peers):
-            peer.send(data)
+            with suppress(OSError):
+                peer.send(data)
 
     def drop(self) -> None:
         """Ends all connections."""
