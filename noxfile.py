@@ -24,13 +24,13 @@ DISTRIBUTIONS = {
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
 }
+# Tests that mostly wait: for brokers and for processes.
+WAITING = {"tests/imu_mqtt", "tests/integration"}
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
 EXTRAS = {"imu-mqtt": "[broker]"}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
-# Most tests wait for something, so two can run on one processor.
-PYTEST = ["pytest", "-q", "-n", str(max(2, os.cpu_count() or 1))]
 LINTERS = ["ruff==0.17.6"]
 SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
 OLDEST = "3.11"
@@ -52,6 +52,12 @@ def _pythons() -> list[str]:
 PYTHONS = _pythons()
 
 
+def _test(session: nox.Session, folder: str) -> None:
+    """Runs the tests of a folder, as many at a time as there are processors, or twice as many."""
+    at_once = max(2, os.cpu_count() or 1) * (2 if folder in WAITING else 1)
+    session.run("pytest", "-q", "-n", str(at_once), folder, *session.posargs)
+
+
 def _install(session: nox.Session, *names: str) -> None:
     """Builds these distributions as they are now, and installs them with what they need."""
     sources = (f"./{PACKAGES / name}{EXTRAS.get(name, '')}" for name in names)
@@ -65,7 +71,7 @@ def tests(session: nox.Session, distribution: str) -> None:
     names, folder = DISTRIBUTIONS[distribution]
     session.install(*TEST_TOOLS)
     _install(session, *names)
-    session.run(*PYTEST, folder, *session.posargs)
+    _test(session, folder)
 
 
 @nox.session(python=PYTHONS)
@@ -73,7 +79,7 @@ def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
     session.install(*TEST_TOOLS)
     _install(session, *ALL)
-    session.run(*PYTEST, "tests/ros2", *session.posargs)
+    _test(session, "tests/ros2")
 
 
 @nox.session(python=PYTHONS)
@@ -81,7 +87,7 @@ def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
     session.install(*TEST_TOOLS)
     _install(session, *DISTRIBUTIONS)
-    session.run(*PYTEST, "tests/integration", *session.posargs)
+    _test(session, "tests/integration")
 
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
@@ -91,7 +97,7 @@ def authors(session: nox.Session) -> None:
     _install(session, "rosbase-core")
     session.install("--no-deps", "--force-reinstall", str(EXAMPLES / "udp"))
     session.run("pytest", "-q", str(EXAMPLES / "udp"))
-    session.run(*PYTEST, "tests/authors", *session.posargs)
+    _test(session, "tests/authors")
 
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
@@ -101,7 +107,7 @@ def docs(session: nox.Session) -> None:
     _install(session, *DISTRIBUTIONS)
     # What it declares is on the site; to say so, it needs no ROS.
     session.install("--no-deps", "--force-reinstall", str(PACKAGES / "rosbase-ros2"))
-    session.run(*PYTEST, "tests/docs", *session.posargs)
+    _test(session, "tests/docs")
     made = Path(session.create_tmp()).resolve()
     options = ["-q", "-n", "-W", "--keep-going", "-E", "-d", str(made / "pages")]
     session.run("sphinx-build", *options, "docs", str(made / "site"))
