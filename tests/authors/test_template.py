@@ -12,7 +12,7 @@ from copier import run_copy
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/plugins/first-transport.md").read_text()
 FILES = dict(re.findall(r"```python title=(\S+)\n(.*?)```", PAGE, re.S))
-STEPS = ["config.py", "link.py", "simulator.py", "test_contract.py"]
+STEPS = ["simulator.py", "config.py", "link.py", "test_contract.py"]
 
 
 class Author:
@@ -63,16 +63,16 @@ def test_the_page_gives_every_file_that_is_unfinished() -> None:
     assert names == set(STEPS)
 
 
-NO_DEVICE = "step 4: play the device, in simulator.py"
+NO_DEVICE = "step 1: play the device, in simulator.py"
 
 
 @pytest.mark.parametrize(
     ("written", "missing"),
     [
         ([], NO_DEVICE),
-        (["config.py"], NO_DEVICE),
         (["config.py", "link.py"], NO_DEVICE),
-        (["config.py", "simulator.py"], "step 2: open the device, in link.py"),
+        (["simulator.py"], "step 2: say where the device is, in config.py"),
+        (["simulator.py", "config.py"], "step 3: open the device, in link.py"),
     ],
 )
 def test_an_unfinished_step_is_named_with_its_promise_and_page(
@@ -88,6 +88,14 @@ def test_an_unfinished_step_is_named_with_its_promise_and_page(
         assert failure.startswith("broken promise: ")
         assert "\n  more:     docs/plugins/transport-contract.md#" in failure
         assert missing in failure
+
+
+def test_the_demo_of_an_unfinished_transport_is_one_line_that_names_the_step(
+    author: Author,
+) -> None:
+    demo = author.run("rosbase", "demo", "--transport", "tcp")
+    assert demo.returncode == 2
+    assert demo.stderr == f"rosbase: transport 'tcp' is not finished: {NO_DEVICE}\n"
 
 
 def test_the_finished_transport_keeps_its_promises_and_runs_the_demo(author: Author) -> None:

@@ -7,7 +7,7 @@ from rosbase.cli.arguments import number_between, positive_number
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.output import Output
 from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
-from rosbase.errors import NotInstalledError
+from rosbase.errors import ConfigurationError, NotInstalledError
 from rosbase.imu.simulator import ImuSimulator
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import installed_plugins
@@ -38,7 +38,11 @@ def run(arguments: argparse.Namespace) -> int:
     transport = installed_plugins().transport(arguments.transport)
     if transport.simulate is None:
         raise NotInstalledError(f"transport '{transport.name}' has no simulated device")
-    device = transport.simulate()
+    try:
+        device = transport.simulate()
+    except NotImplementedError as error:
+        text = f"transport '{transport.name}' is not finished: {str(error) or 'its simulated device'}"
+        raise ConfigurationError(text) from error
     simulator = ImuSimulator(device, arguments.rate)
     try:
         manager = DemoManager(
