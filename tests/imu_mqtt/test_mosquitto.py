@@ -239,8 +239,15 @@ def test_tls_works_with_a_certificate_of_the_client(rig: MosquittoRig) -> None:
     rig.started(secure.address, **trusted, tls_cert_file=certificate, tls_key_file=key)
     rig.prove(secure.broker)
     # The broker says why and hangs up, and the network may lose the one over the other.
-    with pytest.raises(TransportError, match=r"TLS fails: .*certificate required|was lost"):
+    with pytest.raises(TransportError, match=r"TLS fails: .*certificate required|hung up"):
         rig.transport(secure.address, **trusted).open()
+
+
+def test_m11_a_plain_address_of_a_port_for_tls_is_told_what_to_say(rig: MosquittoRig) -> None:
+    secure = Secure(rig)
+    plain = secure.address.replace("mqtts://", "tcp://")
+    with pytest.raises(TransportError, match="hung up before it answered; .* say mqtts://"):
+        rig.transport(plain).open()
 
 
 @pytest.mark.parametrize(

@@ -304,6 +304,10 @@ class Connection:
         address = self._config.address
         if flags.is_disconnect_packet_from_server:
             self._end = f"{address} ended the connection: {code}"
+        elif not self._is_accepted:
+            # With or without a reset, as it happens: for a user it is the same.
+            hint = "" if address.is_secure else "; if it expects TLS, say mqtts:// or wss://"
+            self._end = f"{address} hung up before it answered{hint}"
         else:
             failure = self._socket.failure
             reason = _one_line(failure) if failure else str(code)

@@ -201,9 +201,10 @@ class NetworkThread:
         # A broker that cannot be reached throws nobody out.
         self._early_ends = self._early_ends + (not self._is_proved) if self.is_connected else 0
         if self._early_ends >= _MANY_ENDS:
-            me = self._config.client_id
-            who = f"another client {me!r}, or a broker that restarts"
-            self._say(f"{error}; again and again: is there {who}?")
+            # Not the reason, which alternates: it has been said, and this is to be said once.
+            config = self._config
+            who = f"another client {config.client_id!r}, or a broker that restarts"
+            self._say(f"the connection to {config.address} is lost again and again: is there {who}?")
             return self._slower.next_s()
         self._say(str(error))
         return self._backoff.next_s()
