@@ -246,7 +246,7 @@ def test_tls_works_with_a_certificate_of_the_client(rig: MosquittoRig) -> None:
 def test_m11_a_plain_address_of_a_port_for_tls_is_told_what_to_say(rig: MosquittoRig) -> None:
     secure = Secure(rig)
     plain = secure.address.replace("mqtts://", "tcp://")
-    with pytest.raises(TransportError, match="hung up before it answered; .* say mqtts://"):
+    with pytest.raises(TransportError, match=r"hung up before it answered; .* say mqtts://"):
         rig.transport(plain).open()
 
 
