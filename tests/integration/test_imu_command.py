@@ -15,7 +15,6 @@ from support.samples import FAULTS, GOOD_FRAME, frame
 from support.serial_port import PluggablePort
 from support.waiting import wait_until
 
-
 # Each is dated after the last, for the reader drops repeats.
 _seconds = itertools.count(1_700_000_000)
 

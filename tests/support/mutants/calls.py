@@ -7,7 +7,7 @@ from queue import SimpleQueue
 from rosbase.clock import SystemClock
 from rosbase.errors import TransportError
 from rosbase.plugins import TransportPlugin
-from rosbase.transport import OnFrame, Transport, TransportState
+from rosbase.transport import OnFrame, TransportState
 from support.fifo import PARAMETERS, FifoContract, make_transport
 from support.mutants.mutant import Wrapped, mutant, wait_for_release
 

@@ -204,7 +204,9 @@ class NetworkThread:
             # Not the reason, which alternates: it has been said, and this is to be said once.
             config = self._config
             who = f"another client {config.client_id!r}, or a broker that restarts"
-            self._say(f"the connection to {config.address} is lost again and again: is there {who}?")
+            self._say(
+                f"the connection to {config.address} is lost again and again: is there {who}?"
+            )
             return self._slower.next_s()
         self._say(str(error))
         return self._backoff.next_s()

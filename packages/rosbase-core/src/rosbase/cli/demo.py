@@ -41,7 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         device = transport.simulate()
     except NotImplementedError as error:
-        text = f"transport '{transport.name}' is not finished: {str(error) or 'its simulated device'}"
+        what = str(error) or "its simulated device"
+        text = f"transport '{transport.name}' is not finished: {what}"
         raise ConfigurationError(text) from error
     simulator = ImuSimulator(device, arguments.rate)
     try:
