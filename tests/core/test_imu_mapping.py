@@ -207,6 +207,12 @@ def test_a_byte_order_mark_does_not_hide_a_sample() -> None:
     assert isinstance(DEFAULT(b"\xef\xbb\xbf" + GOOD_FRAME), Sample)
 
 
+def test_the_nul_that_ends_a_text_in_c_does_not_hide_a_sample() -> None:
+    assert DEFAULT(GOOD_FRAME + b"\0") == DEFAULT(GOOD_FRAME)
+    assert DEFAULT(b"\xef\xbb\xbf" + GOOD_FRAME + b"\0\0") == DEFAULT(GOOD_FRAME)
+    assert DEFAULT(b"\0") == Reject("not_data")
+
+
 def test_a_digit_may_also_be_a_key() -> None:
     reader = ImuMapping(linear_acceleration_paths=("a",), linear_acceleration_unit="g").compile()
     assert read(reader, {"a": {"0": 0, "1": 0, "2": 1}}).linear_acceleration == (0, 0, 9.80665)

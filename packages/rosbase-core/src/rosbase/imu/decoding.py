@@ -51,8 +51,10 @@ def _decode_carefully(frame: bytes) -> object:
     try:
         payload = _decode(text)
     except json.JSONDecodeError as error:
-        if text.startswith("\ufeff"):
-            return _decode_carefully(text[1:].encode())
+        # Around a message that no line end ends: a mark of its encoding, and the end of C's text.
+        plain = text.removeprefix("\ufeff").rstrip("\0")
+        if plain != text:
+            return _decode_carefully(plain.encode())
         return _reject_text(text.strip(), error)
     except RecursionError:
         return Reject("too_deep")
