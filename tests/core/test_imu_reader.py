@@ -1,23 +1,32 @@
 """The reader node, with a transport that the test plays."""
 
+import re
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
+from rosbase.backend import BackendOptions
 from rosbase.errors import (
     ConfigurationError,
     DeviceNotFoundError,
     MappingError,
     NotInstalledError,
     ParameterError,
+    TransportError,
 )
 from rosbase.imu.health import HealthLevel
+from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import CallbackReturn, State
+from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Imu, Time
+from rosbase.parameters import Parameter
+from rosbase.plugins import installed_plugins
+from rosbase.testing import ManualClock
 from rosbase.transport import TransportState
 from support.reader_rig import Rig
 from support.samples import FAULTS, GOOD, GOOD_FRAME, payload, vector
+from support.transports import ScriptedRegistry
 
 
 @pytest.fixture
@@ -227,6 +236,26 @@ def test_a_lost_device_is_error_with_the_reason(rigs: Callable[..., Rig]) -> Non
     assert rig.reader.health.message == "waiting for the device: /dev/x is not there"
 
 
+def test_a_device_that_comes_and_goes_stays_error_though_data_come_in_between(
+    rigs: Callable[..., Rig], caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = rigs().activate()
+    fault = TransportError("the connection is lost again and again")
+    for turn in range(6):
+        is_away = turn % 2 == 0
+        rig.transport.state = TransportState.RECONNECTING if is_away else TransportState.CONNECTED
+        rig.transport.failure = fault
+        if not is_away:
+            rig.send(GOOD_FRAME)
+        rig.pass_time(0.5)
+        assert rig.reader.health.level is HealthLevel.ERROR
+        assert str(fault) in rig.reader.health.message
+    assert len([m for m in caplog.messages if m.startswith("health")]) == 1
+    rig.transport.failure = None
+    rig.pass_time(0.5)
+    assert rig.reader.health.level is HealthLevel.OK
+
+
 def test_nothing_but_noise_is_warn_and_says_check_the_baud_rate(rigs: Callable[..., Rig]) -> None:
     rig = rigs().activate()
     for _ in range(5):
@@ -275,6 +304,50 @@ def test_parameters_that_cannot_be_are_refused_when_the_node_is_built(
 ) -> None:
     with pytest.raises(kind, match=complaint):
         rigs(**parameters)
+
+
+def fails_with(error: Exception) -> Callable[[], Any]:
+    def fail() -> None:
+        raise error
+
+    return fail
+
+
+CREATES: dict[str, tuple[Callable[[], Any], str]] = {
+    "refuses": (fails_with(ParameterError("gain is odd")), "gain is odd"),
+    "is not written": (
+        fails_with(NotImplementedError("step 2")),
+        "'scripted' is not finished: step 2",
+    ),
+    "fails": (fails_with(KeyError("x")), "'scripted' is broken: KeyError('x')"),
+    "gives nothing": (lambda: None, "'scripted' is broken: create gave None"),
+}
+
+
+@pytest.mark.parametrize(("create", "complaint"), CREATES.values(), ids=CREATES)
+def test_a_transport_that_cannot_be_made_is_refused_when_the_node_is_built(
+    create: Callable[[], Any], complaint: str
+) -> None:
+    registry = ScriptedRegistry(installed_plugins())
+    registry.create = create
+    backend = LocalBackend(BackendOptions("imu", {"comm_t": "scripted"}, ManualClock()), Bus())
+    with pytest.raises(ConfigurationError, match=re.escape(complaint)):
+        ImuReader(backend=backend, registry=cast("Any", registry))
+    backend.close()
+
+
+def test_a_device_that_is_not_written_yet_is_failure_in_one_line(rigs: Callable[..., Rig]) -> None:
+    rig = rigs(failure=NotImplementedError("step 3"))
+    assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
+    assert str(rig.reader.last_error) == "transport 'scripted' is not finished: step 3"
+
+
+def test_a_device_that_was_refused_is_not_what_it_is_said_to_be(rigs: Callable[..., Rig]) -> None:
+    rig = rigs()
+    rig.backend._parameters["gain"] = Parameter("gain", 7.0)
+    rig.registry.create = fails_with(ParameterError("gain is odd"))
+    assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
+    assert rig.reader.settings.device == "1.0"
 
 
 def test_other_paths_with_their_unit_replace_those_of_the_preset(

@@ -198,3 +198,22 @@ def test_the_demo_over_mqtt_publishes_every_sample() -> None:
     assert counts["published"] >= 490
     assert counts["sent"] == counts["received"] == counts["published"]
     assert counts["lost"] == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "complaint"),
+    [
+        ("server_address:=http://x", "server_address is one of tcp://"),
+        ("server_address:=tcp://me:hush@x", "server_address takes no user and no password"),
+        ("mqtt_topic:=a+/b", "+ stands for a whole level"),
+        ("status_topic:=esp32/imu", "status_topic is one that mqtt_topic reads"),
+        ("password_file:=secret", "password_file needs username"),
+    ],
+)
+def test_what_cannot_be_an_address_or_a_topic_is_one_line_and_status_2(
+    given: str, complaint: str
+) -> None:
+    done = run_rosbase("imu", "-p", "comm_t:=mqtt", "-p", given)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert complaint in done.stderr
+    assert "hush" not in done.stderr

@@ -1,6 +1,6 @@
 """The scripted transport, as a plugin."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rosbase.errors import TransportError
@@ -16,6 +16,8 @@ class ScriptedRegistry:
     def __init__(self, registry: Any, *, failure: TransportError | None = None) -> None:
         self._registry = registry
         self.failure = failure
+        self.create: Callable[[], Any] | None = None
+        """Takes the place of what makes a transport."""
         self.made: list[ScriptedTransport] = []
         self._plugin = TransportPlugin(
             "scripted",
@@ -37,9 +39,9 @@ class ScriptedRegistry:
     def preset(self, name: str) -> Any:
         return self._registry.preset(name)
 
-    def _create(
-        self, values: Mapping[str, ParameterValue], context: TransportContext
-    ) -> ScriptedTransport:
+    def _create(self, values: Mapping[str, ParameterValue], context: TransportContext) -> Any:
+        if self.create is not None:
+            return self.create()
         transport = ScriptedTransport(values, context)
         transport.failure = self.failure
         self.made.append(transport)

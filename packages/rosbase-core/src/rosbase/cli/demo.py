@@ -7,7 +7,7 @@ from rosbase.cli.arguments import number_between, positive_number
 from rosbase.cli.console import log_to_stderr
 from rosbase.cli.output import Output
 from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
-from rosbase.errors import ConfigurationError, NotInstalledError
+from rosbase.imu.plugin_calls import simulate
 from rosbase.imu.simulator import ImuSimulator
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import installed_plugins
@@ -36,14 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Runs the demo; 0 if every sample that was sent has been published."""
     log = log_to_stderr()
     transport = installed_plugins().transport(arguments.transport)
-    if transport.simulate is None:
-        raise NotInstalledError(f"transport '{transport.name}' has no simulated device")
-    try:
-        device = transport.simulate()
-    except NotImplementedError as error:
-        what = str(error) or "its simulated device"
-        text = f"transport '{transport.name}' is not finished: {what}"
-        raise ConfigurationError(text) from error
+    device = simulate(transport)
     simulator = ImuSimulator(device, arguments.rate)
     try:
         manager = DemoManager(

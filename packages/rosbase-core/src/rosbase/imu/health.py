@@ -54,6 +54,9 @@ def judge_health(
         late = silence_s > _ERROR_AFTER * stale_timeout_s
         level = HealthLevel.ERROR if late else HealthLevel.WARN
         return Health(level, f"no data for {silence_s:.1f} s")
+    if transport.last_error:
+        # It is there at this moment, and has not proved to stay.
+        return Health(HealthLevel.ERROR, transport.last_error)
     if now.received - before.received >= _ENOUGH_FRAMES and now.published == before.published:
         return Health(HealthLevel.WARN, f"nothing usable arrives: {_main_reason(before, now)}")
     if finding:

@@ -14,6 +14,7 @@ from rosbase.imu.health import Health, HealthLevel, judge_health
 from rosbase.imu.mapping import SampleReader
 from rosbase.imu.outlet import Outlet, Publishers
 from rosbase.imu.plausibility import Plausibility
+from rosbase.imu.plugin_calls import finished, make_transport
 from rosbase.imu.rejects import IGNORED, REASONS, Reject
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
@@ -71,6 +72,8 @@ class ImuReader(LifecycleNode):
             self.declare_parameter(spec.name, default, attrs.evolve(spec, default=default))
         self.autostart = self._value("autostart")
         self._settings = self._read_settings()
+        # What cannot be is refused now, not when somebody configures. It touches no device.
+        self._make_transport(self._settings)
         self._counts = Counts()
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
@@ -109,10 +112,12 @@ class ImuReader(LifecycleNode):
     def on_configure(self, previous_state: State) -> CallbackReturn:
         """Takes the device, or refuses with the reason."""
         try:
-            self._settings = settings = self._read_settings()
-            context = TransportContext(self.get_clock(), self.logger)
-            transport = settings.transport.create(settings.transport_values, context)
-            transport.open()
+            settings = self._read_settings()
+            transport = self._make_transport(settings)
+            # Only now: what it says of the device must not be what nobody has looked at.
+            self._settings = settings
+            with finished(settings.transport):
+                transport.open()
         except (ConfigurationError, TransportError) as error:
             self.last_error = error
             return CallbackReturn.FAILURE
@@ -178,6 +183,10 @@ class ImuReader(LifecycleNode):
         for publisher in self._publishers:
             self.destroy_publisher(publisher)
         self._publishers.clear()
+
+    def _make_transport(self, settings: ReaderSettings) -> Transport:
+        context = TransportContext(self.get_clock(), self.logger)
+        return make_transport(settings.transport, settings.transport_values, context)
 
     def _replace_transport(self, transport: Transport) -> None:
         """Takes the new transport; what the one before it has counted is kept."""
