@@ -1,5 +1,6 @@
 """`rosbase imu` as a process, on a real line that another program writes to."""
 
+import io
 import itertools
 import json
 import re
@@ -10,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from rosbase.cli.output import Output
+from rosbase.cli.session import ReaderManager
 from support.command import RunningRosbase, run_rosbase, summary_of
 from support.samples import FAULTS, GOOD_FRAME, frame
 from support.serial_port import PluggablePort
@@ -231,3 +234,10 @@ def test_a_magnetic_field_is_echoed_too(port: PluggablePort) -> None:
 
         wait_until(arrives, "a magnetic field")
         assert reader.end(signal.SIGINT) == 0
+
+
+@pytest.mark.parametrize("is_quiet", [True, False])
+def test_nobody_listens_to_samples_that_are_not_shown(*, is_quiet: bool) -> None:
+    manager = ReaderManager({}, Output(io.StringIO()), backend="local", is_quiet=is_quiet)
+    assert (manager.monitor is None) == is_quiet
+    manager.destroy_node()

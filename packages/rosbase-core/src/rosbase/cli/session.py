@@ -100,7 +100,8 @@ class ReaderManager(BaseManager):
         self.live_line = LiveLine(self._report)
         opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
         nodes: dict[str, type[BaseNode]] = {DEFAULT_NODE_NAME: ImuReader}
-        if echoes or listens or opened.delivers_in_process:
+        # For the live line, where listening costs little; where nothing is shown, for nobody.
+        if echoes or listens or (opened.delivers_in_process and not is_quiet):
             nodes["monitor"] = SampleMonitor
         super().__init__(
             node_name=DEFAULT_NODE_NAME,
