@@ -10,6 +10,7 @@ import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 
 __all__ = [
+    "GOOD",
     "Behaviour",
     "Peer",
     "Publisher",
@@ -18,6 +19,7 @@ __all__ = [
     "falls_silent",
     "publish_packet",
     "refuses",
+    "refuses_subscriptions",
     "says_nothing",
     "sends",
     "serves",
@@ -44,6 +46,10 @@ def publish_packet(
     kind = PUBLISH | retain | (0x0A if duplicate else 0)
     mid = b"\0\7" if duplicate else b""
     return packet(kind, len(topic).to_bytes(2, "big") + topic + mid + payload)
+
+
+GOOD = publish_packet(b"esp32/imu", b"good")
+"""A message."""
 
 
 class Peer:
@@ -138,6 +144,15 @@ def falls_silent(peer: Peer) -> None:
     peer.accept()
     peer.serve(until=SUBSCRIBE)
     peer.wait_for_the_end()
+
+
+def refuses_subscriptions(peer: Peer) -> None:
+    """Lets the client in, and lets it read nothing."""
+    peer.accept()
+    kind, body = peer.receive()
+    assert kind == SUBSCRIBE
+    peer.send(packet(SUBACK, body[:2] + b"\x80"))
+    peer.serve()
 
 
 def refuses(code: int) -> Behaviour:

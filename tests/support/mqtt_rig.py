@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import pytest
+
 from imu_mqtt.config import PARAMETERS, MqttConfig
 from imu_mqtt.transport import MqttTransport
 from rosbase.clock import SystemClock
@@ -13,7 +15,7 @@ from rosbase.logger import RosbaseLogger
 from rosbase.transport import TransportContext, TransportState
 from support.waiting import wait_until
 
-__all__ = ["MqttRig", "config", "context", "elapsed", "wait_for_state"]
+__all__ = ["MqttRig", "config", "context", "elapsed", "wait_for_state", "warnings"]
 
 
 def config(address: str = "tcp://127.0.0.1:1", **changes: Any) -> MqttConfig:
@@ -66,6 +68,11 @@ class MqttRig:
 
 def wait_for_state(transport: MqttTransport, wanted: TransportState) -> None:
     wait_until(lambda: transport.health.state is wanted, f"state {wanted}")
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> list[str]:
+    """What the log warns of."""
+    return [r.message for r in caplog.records if r.levelname == "WARNING"]
 
 
 def elapsed(call: Callable[[], object]) -> float:

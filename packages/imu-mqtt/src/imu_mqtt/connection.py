@@ -5,6 +5,7 @@ ever, and which nobody can wake. Here it has none: whoever owns the connection c
 paho's callbacks only note what happened.
 """
 
+import os
 import select
 import socket
 import ssl
@@ -16,18 +17,20 @@ from paho.mqtt.enums import CallbackAPIVersion, MQTTErrorCode, MQTTProtocolVersi
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
-from imu_mqtt.buffered_socket import BufferedSocket, SocketWrapper
-from imu_mqtt.config import Address, MqttConfig
-from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
+from imu_mqtt.buffered_socket import MOST_PACKET_BYTES, BufferedSocket, SocketWrapper
+from imu_mqtt.config import PASSWORD_VARIABLE, MqttConfig
+from imu_mqtt.dialing import Dial, RefusedError, one_line, tls_context, unreachable
 from rosbase.clock import Clock
-from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
+from rosbase.errors import DeviceNotFoundError, TransportError
 
-__all__ = ["Connection", "OnMessage", "RefusedError", "TlsError"]
+__all__ = ["Connection", "OnMessage"]
 
 OnMessage: TypeAlias = Callable[[mqtt.MQTTMessage], None]
 
-CONNECT_TIMEOUT_S = 1.5
-"""How long the network may take to reach the broker; and once more for the broker's answer."""
+DIAL_TIMEOUT_S = 2.0
+"""How long it may take to reach the broker, TLS and WebSocket included."""
+ANSWER_TIMEOUT_S = 1.5
+"""How long the broker may take for each answer."""
 
 # Waking up for each message costs more than the message. Where they come more often than so,
 # they are left to gather for a moment.
@@ -41,17 +44,24 @@ _GOODBYE_S = 0.2
 _TRANSPORTS = {"ws": "websockets", "wss": "websockets", "unix": "unix"}
 _FOR_NOW = frozenset({"Server unavailable", "Server busy", "Connection rate exceeded"})
 _ONLINE, _OFFLINE = b"online", b"offline"
-# Room for the topic beside the payload.
-_MAX_PACKET_BYTES = 2 * MAX_PAYLOAD_BYTES + 1024
 _MAX_QUEUED = 10
 
 
-class RefusedError(DevicePermissionError):
-    """The broker is there, and does not want this client as it is: trying again at once is idle."""
+class _Client(mqtt.Client):
+    """paho's client, on a socket that is given to it.
 
+    paho's own connecting has no limit over all its steps, and for a Unix socket none at all. The
+    two methods are not public: should paho do without them, it connects as it does by itself.
+    """
 
-class TlsError(RefusedError):
-    """There is no secure connection: one of the two does not trust the other."""
+    reach: Callable[[], socket.socket]
+    """Gives the socket."""
+
+    def _create_socket_connection(self) -> socket.socket:
+        return self.reach()
+
+    def _create_unix_socket_connection(self) -> socket.socket:
+        return self.reach()
 
 
 class Connection:
@@ -87,8 +97,12 @@ class Connection:
         self._poll = select.poll()
         self._wants = select.POLLIN
         self._packets, self._measured_ns, self._is_hurried = 0, clock.monotonic_ns(), False
-        self._wrapper = SocketWrapper(_tls(config))
         self._client = client = _client(config)
+        tls = tls_context(config)
+        # The time runs from here: a connection is made to be opened.
+        dial = Dial(clock, is_wanted, DIAL_TIMEOUT_S)
+        self._wrapper = SocketWrapper(tls, dial, is_framed=client.transport == "websockets")
+        client.reach = lambda: dial.reach(config.address)
         client.tls_set_context(cast(Any, self._wrapper))
         client.on_connect = self._on_connect
         client.on_disconnect = self._on_disconnect
@@ -113,7 +127,9 @@ class Connection:
         self._poll.register(self._socket, select.POLLIN)
         try:
             if not self._await(lambda: self._is_accepted):
-                raise DeviceNotFoundError(f"no answer from {self._config.address}")
+                # Brokers for MQTT 3.1.1 alone are silent when they are greeted with 5.
+                hint = "; does it speak MQTT 5?" if self._config.version == "5" else ""
+                raise DeviceNotFoundError(f"no answer from {self._config.address}{hint}")
         except TransportError:
             self._client.disconnect()
             raise
@@ -251,8 +267,11 @@ class Connection:
                 self._config.keepalive_s,
                 properties=_limits() if self._config.version == "5" else None,
             )
-        except (OSError, ValueError, mqtt.WebsocketConnectionError) as error:
-            return _unreachable(address, error)
+        except Exception as error:
+            # paho trusts a WebSocket's answer: of one that it cannot read comes any error.
+            return unreachable(address, error)
+        if self._wrapper.made is not None:
+            self._wrapper.made.end_dialing()
         return None
 
     @property
@@ -262,7 +281,7 @@ class Connection:
     def _lost(self) -> TransportError:
         failure = self._socket.failure
         if isinstance(failure, ssl.SSLError):
-            return _unreachable(self._config.address, failure)
+            return unreachable(self._config.address, failure)
         return TransportError(self.end)
 
     def _say(self, status: bytes) -> None:
@@ -277,7 +296,7 @@ class Connection:
             self._is_awaiting = False
 
     def _turn_until(self, is_there: Callable[[], bool]) -> bool:
-        deadline_ns = self._clock.monotonic_ns() + int(CONNECT_TIMEOUT_S * 1e9)
+        deadline_ns = self._clock.monotonic_ns() + int(ANSWER_TIMEOUT_S * 1e9)
         while not is_there():
             stands = self.turn(_TURN_S)
             if self._refusal is not None:
@@ -294,7 +313,7 @@ class Connection:
         if code.is_failure:
             # A broker that has just been started, or has too much to do, will have time soon.
             kind = TransportError if str(code) in _FOR_NOW else RefusedError
-            self._refusal = kind(f"{self._config.address} refuses us: {code}")
+            self._refusal = kind(f"{self._config.address} refuses us{self._as_whom()}: {code}")
         else:
             self._is_accepted = True
 
@@ -310,12 +329,22 @@ class Connection:
             self._end = f"{address} hung up before it answered{hint}"
         else:
             failure = self._socket.failure
-            reason = _one_line(failure) if failure else str(code)
+            reason = one_line(failure) if failure else str(code)
             # What paho says when the other end has closed it.
             why = "" if reason == "Unspecified error" else f": {reason}"
             self._end = f"the connection to {address} was lost{why}"
         if not self._is_accepted and self._refusal is None and str(code) == "Protocol error":
-            self._refusal = RefusedError(f"{address} speaks no MQTT {self._config.version}")
+            self._refusal = RefusedError(
+                f"{address} speaks no MQTT {self._config.version}",
+                "is it the port of a WebSocket (ws://), or of another version (mqtt_version)?",
+            )
+
+    def _as_whom(self) -> str:
+        client, variable = self._client, PASSWORD_VARIABLE
+        if not client.username:
+            is_set = bool(os.environ.get(variable))
+            return f" without a username, which {variable} needs" if is_set else ""
+        return f" as {client.username!r}" + ("" if client.password else " without a password")
 
     def _on_answer(
         self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
@@ -323,9 +352,9 @@ class Connection:
         self._answers[mid] = codes
 
 
-def _client(config: MqttConfig) -> mqtt.Client:
+def _client(config: MqttConfig) -> _Client:
     is_5 = config.version == "5"
-    client = mqtt.Client(
+    client = _Client(
         CallbackAPIVersion.VERSION2,
         client_id=config.client_id,
         # What was sent while we were away is old, and would be stamped as new.
@@ -334,7 +363,7 @@ def _client(config: MqttConfig) -> mqtt.Client:
         transport=cast(Any, _TRANSPORTS.get(config.address.scheme, "tcp")),
         reconnect_on_failure=False,
     )
-    client.connect_timeout = CONNECT_TIMEOUT_S
+    client.connect_timeout = DIAL_TIMEOUT_S
     client.max_queued_messages_set(_MAX_QUEUED)
     if client.transport == "websockets":
         # paho would say https, because it is given a TLS context.
@@ -350,37 +379,5 @@ def _client(config: MqttConfig) -> mqtt.Client:
 
 def _limits() -> Properties:
     limits = Properties(PacketTypes.CONNECT)  # type: ignore[no-untyped-call]  # paho's
-    limits.MaximumPacketSize = _MAX_PACKET_BYTES
+    limits.MaximumPacketSize = MOST_PACKET_BYTES
     return limits
-
-
-def _tls(config: MqttConfig) -> ssl.SSLContext | None:
-    if not config.address.is_secure:
-        return None
-    named = config.ca_file
-    try:
-        context = ssl.create_default_context(cafile=config.ca_file or None)
-        if config.cert_file:
-            named = ", ".join(filter(None, (config.cert_file, config.key_file)))
-            # A password, for OpenSSL asks the terminal if there is none.
-            context.load_cert_chain(config.cert_file, config.key_file or None, password="")
-    except (OSError, ValueError) as error:
-        raise TlsError(f"{named} cannot be used for TLS: {_one_line(error)}") from error
-    return context
-
-
-def _unreachable(address: Address, error: Exception) -> TransportError:
-    if isinstance(error, ssl.SSLError):
-        return TlsError(f"{address}: TLS fails: {_one_line(error)}")
-    if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
-        return DeviceNotFoundError(f"there is no broker at {address}")
-    if isinstance(error, socket.gaierror):
-        return DeviceNotFoundError(f"{address}: the name is not known: {_one_line(error)}")
-    if isinstance(error, TimeoutError):
-        return DeviceNotFoundError(f"no answer from {address}")
-    return TransportError(f"{address}: {_one_line(error)}")
-
-
-def _one_line(error: Exception) -> str:
-    reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
-    return " ".join(str(reason).split())

@@ -1,0 +1,167 @@
+"""Reaching a broker: within a time, however its network stalls, and only while that is wanted."""
+
+import errno
+import os
+import select
+import socket
+import ssl
+from collections.abc import Callable
+from typing import Any
+
+from imu_mqtt.config import Address, MqttConfig
+from rosbase.clock import Clock
+from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
+
+__all__ = ["Dial", "RefusedError", "TlsError", "one_line", "tls_context", "unreachable"]
+
+# How soon it is noticed that nobody wants it any more.
+_LOOK_S = 0.05
+# X509_V_ERR_HOSTNAME_MISMATCH, X509_V_ERR_IP_ADDRESS_MISMATCH
+_WRONG_NAME = (62, 64)
+
+
+class RefusedError(DevicePermissionError):
+    """The broker is there, and does not want this client as it is: trying again at once is idle."""
+
+    def __init__(self, text: str, advice: str = "") -> None:
+        """With what to do about it, where that is known."""
+        super().__init__(text)
+        self.advice = advice
+
+
+class TlsError(RefusedError):
+    """There is no secure connection: one of the two does not trust the other, or has no TLS."""
+
+
+class Dial:
+    """One attempt to reach a broker, with a limit for all of it but the look-up of its name."""
+
+    def __init__(self, clock: Clock, is_wanted: Callable[[], bool], limit_s: float) -> None:
+        """Begins."""
+        self._clock = clock
+        self._is_wanted = is_wanted
+        self._deadline_ns = clock.monotonic_ns() + int(limit_s * 1e9)
+
+    def reach(self, address: Address) -> socket.socket:
+        """A socket that is connected and never waits.
+
+        Raises:
+            OSError: Nobody is there, or not in time; the last reason of several.
+        """
+        if address.scheme == "unix":
+            return self._connect(socket.AF_UNIX, address.host, self._left_s)
+        kind = socket.SOCK_STREAM
+        found = socket.getaddrinfo(address.host, address.port, type=kind)
+        failure: OSError | None = None
+        for number, (family, _, _, _, place) in enumerate(found):
+            try:
+                # A share each, so that an address that swallows everything leaves time for others.
+                return self._connect(family, place, self._left_s / (len(found) - number))
+            except OSError as error:
+                failure = error
+        raise failure or TimeoutError
+
+    def wait(self, sock: socket.socket, events: int, limit_s: float | None = None) -> None:
+        """Waits until it can be read or written.
+
+        Raises:
+            TimeoutError: It cannot in time, or nobody wants it any more.
+        """
+        poll = select.poll()
+        poll.register(sock, events)
+        left_s = self._left_s if limit_s is None else min(limit_s, self._left_s)
+        deadline_ns = self._clock.monotonic_ns() + int(left_s * 1e9)
+        while not poll.poll(_LOOK_S * 1000.0):
+            self._check(deadline_ns)
+
+    def shake_hands(self, sock: ssl.SSLSocket) -> None:
+        """Does TLS's part. Raises OSError."""
+        while True:
+            try:
+                sock.do_handshake()
+                return
+            except ssl.SSLWantReadError:
+                self.wait(sock, select.POLLIN)
+            except ssl.SSLWantWriteError:
+                self.wait(sock, select.POLLOUT)
+
+    @property
+    def _left_s(self) -> float:
+        return (self._deadline_ns - self._clock.monotonic_ns()) / 1e9
+
+    def _check(self, deadline_ns: int) -> None:
+        if not self._is_wanted() or self._clock.monotonic_ns() > deadline_ns:
+            raise TimeoutError
+
+    def _connect(self, family: int, place: Any, limit_s: float) -> socket.socket:
+        sock = socket.socket(family, socket.SOCK_STREAM)
+        try:
+            sock.settimeout(0.0)
+            while (code := sock.connect_ex(place)) == errno.EAGAIN:
+                # Of a Unix socket: more have called than it lets wait.
+                self._check(self._deadline_ns)
+                self._clock.sleep(_LOOK_S)
+            if code == errno.EINPROGRESS:
+                self.wait(sock, select.POLLOUT, limit_s)
+                code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+            if code:
+                raise OSError(code, os.strerror(code))
+        except BaseException:
+            sock.close()
+            raise
+        return sock
+
+
+def tls_context(config: MqttConfig) -> ssl.SSLContext | None:
+    """What a secure connection needs; None if it is not to be one.
+
+    Raises:
+        TlsError: A file is not what it should be.
+    """
+    if not config.address.is_secure:
+        return None
+    named = config.ca_file
+    try:
+        context = ssl.create_default_context(cafile=config.ca_file or None)
+        if config.cert_file:
+            named = ", ".join(filter(None, (config.cert_file, config.key_file)))
+            # A password, for OpenSSL asks the terminal if there is none.
+            context.load_cert_chain(config.cert_file, config.key_file or None, password="")
+    except (OSError, ValueError) as error:
+        advice = "PEM files, the key without a passphrase, and that of the certificate"
+        raise TlsError(f"{named} cannot be used for TLS: {one_line(error)}", advice) from error
+    return context
+
+
+def unreachable(address: Address, error: Exception) -> TransportError:
+    """What an error while dialing says to a user."""
+    if address.is_secure and isinstance(error, (ConnectionResetError, ssl.SSLEOFError)):
+        # A broker that is being restarted does so too, so this is no reason to try less often.
+        return TransportError(f"{address} hung up on TLS; if it expects none, say tcp:// or ws://")
+    if isinstance(error, ssl.SSLError):
+        return TlsError(f"{address}: TLS fails: {one_line(error)}", _advice_on_tls(error))
+    if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
+        return DeviceNotFoundError(f"there is no broker at {address}")
+    if isinstance(error, socket.gaierror):
+        return DeviceNotFoundError(f"{address}: the name is not known: {one_line(error)}")
+    if isinstance(error, TimeoutError):
+        return DeviceNotFoundError(f"no answer from {address}")
+    if address.scheme in ("ws", "wss") and getattr(error, "errno", None) is None:
+        return TransportError(f"{address} answers what is no WebSocket for MQTT: {error}")
+    return TransportError(f"{address}: {one_line(error)}")
+
+
+def _advice_on_tls(error: ssl.SSLError) -> str:
+    if isinstance(error, ssl.SSLCertVerificationError):
+        if error.verify_code in _WRONG_NAME:
+            return "the address must be a name that the broker's certificate has"
+        return "tls_ca_file names the certificate of who has signed the broker's"
+    if "ALERT" in (error.reason or ""):
+        return "tls_cert_file and tls_key_file name a certificate that the broker trusts"
+    return "is TLS spoken there? if not, say tcp:// or ws://"
+
+
+def one_line(error: Exception) -> str:
+    """What the system, or TLS, says of it."""
+    reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
+    return " ".join(str(reason).split())
