@@ -8,18 +8,17 @@ import threading
 
 import pytest
 
-from imu_mqtt.connection import RefusedError
+from imu_mqtt.buffered_socket import MOST_PACKET_BYTES
 from imu_mqtt.network_thread import NetworkThread
 from imu_mqtt.simulator import EmbeddedBroker
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.errors import DeviceNotFoundError, TransportError
 from rosbase.transport import TransportState
 from support.mqtt import (
-    SUBSCRIBE,
+    GOOD,
     Peer,
     Publisher,
     ScriptedBroker,
-    ends_after_connack,
     falls_silent,
     packet,
     publish_packet,
@@ -31,16 +30,10 @@ from support.mqtt import (
 from support.mqtt_rig import MqttRig, elapsed, wait_for_state
 from support.waiting import wait_until
 
-GOOD = publish_packet(b"esp32/imu", b"good")
-
 
 def free_port() -> int:
     with ScriptedBroker() as broker:
         return broker.port
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> list[str]:
-    return [r.message for r in caplog.records if r.levelname == "WARNING"]
 
 
 def test_m1_an_absent_broker_is_refused_in_one_line(
@@ -105,88 +98,6 @@ def test_m2_a_reset_of_the_connection_loses_no_subscription(
         rig.prove(other.publish)
     transport.close()
     again.close()
-
-
-@pytest.mark.parametrize("code", [1, 2, 4, 5])
-def test_m3_a_refusal_is_named_and_raised(rig: MqttRig, broker: ScriptedBroker, code: int) -> None:
-    broker.behaviour = refuses(code)
-    transport = rig.transport(broker.address)
-    with pytest.raises(
-        RefusedError, match=f"^{broker.address} (refuses us: |speaks no MQTT)"
-    ) as caught:
-        transport.open()
-    assert "\n" not in str(caught.value)
-    assert broker.dials == 1
-
-
-def test_m3_who_is_refused_tries_slowly_and_comes_in_when_the_cause_goes(
-    rig: MqttRig, broker: ScriptedBroker, caplog: pytest.LogCaptureFixture
-) -> None:
-    broker.behaviour = refuses(5)
-    transport = rig.transport(broker.address, wait_for_broker=True)
-    transport.open()
-    transport.start(rig.keep)
-    broker.behaviour = sends(GOOD)
-    assert elapsed(lambda: rig.frames.get(timeout=20)) > 1.0
-    assert broker.dials == 2
-    assert len(warnings(caplog)) == 1, "one line, not one per try"
-
-
-def test_m3_a_broker_that_is_not_ready_yet_is_tried_again_soon(
-    rig: MqttRig, broker: ScriptedBroker
-) -> None:
-    broker.behaviour = refuses(3)
-    transport = rig.started(broker.address, wait_for_broker=True)
-    wait_until(lambda: broker.dials > 1, "another try", timeout_s=1.0)
-    broker.behaviour = serves
-    assert elapsed(lambda: wait_for_state(transport, TransportState.CONNECTED)) < 2.0
-
-
-def test_m3_a_subscription_that_is_refused_is_named(rig: MqttRig, broker: ScriptedBroker) -> None:
-    def refuses_subscriptions(peer: Peer) -> None:
-        peer.accept()
-        kind, body = peer.receive()
-        assert kind == SUBSCRIBE
-        peer.send(packet(0x90, body[:2] + b"\x80"))
-        peer.serve()
-
-    broker.behaviour = refuses_subscriptions
-    transport = rig.transport(broker.address)
-    for _ in range(3):
-        transport.open()
-        with pytest.raises(RefusedError, match="refuses the subscription to esp32/imu"):
-            transport.start(rig.keep)
-        transport.close()
-
-
-def test_m3_a_broker_that_hangs_up_on_the_subscription_is_named(
-    rig: MqttRig, broker: ScriptedBroker
-) -> None:
-    def hangs_up(peer: Peer) -> None:
-        peer.accept()
-        peer.receive()
-
-    broker.behaviour = hangs_up
-    transport = rig.started(broker.address)
-    named = "at the subscription to esp32/imu"
-    wait_until(lambda: named in transport.health.last_error, "the reason")
-
-
-def test_m3_two_clients_with_one_id_are_named_and_do_not_fight_on_for_ever(
-    rig: MqttRig, broker: ScriptedBroker, caplog: pytest.LogCaptureFixture
-) -> None:
-    caplog.set_level("INFO", logger="rosbase")
-    broker.behaviour = ends_after_connack
-    transport = rig.started(broker.address, client_id="imu")
-    question = "is there another client 'imu', or a broker that restarts?"
-    wait_until(lambda: question in transport.health.last_error, "the named fault")
-    dials = broker.dials
-    assert elapsed(lambda: wait_until(lambda: broker.dials > dials, "another try")) > 0.5
-    assert sum(question in message for message in caplog.messages) == 1
-    said = len(caplog.messages)
-    broker.behaviour = sends(GOOD)
-    assert rig.next() == b"good"
-    assert len(caplog.messages) == said, "nothing new yet: the other may come back"
 
 
 NO_PACKETS = {
@@ -376,7 +287,8 @@ def test_m12_empty_and_huge_payloads_are_counted_and_dropped(
     transport = rig.started(broker.address)
     assert rig.next() == b"good"
     assert transport.health.frame_errors == {reason: 1}
-    assert transport.health.received_bytes == len(payload) + 4
+    # Of what is much too long the middle is thrown away.
+    assert transport.health.received_bytes >= min(len(payload), MOST_PACKET_BYTES) + 4
 
 
 def test_m12_binary_goes_through_as_it_is(rig: MqttRig, broker: ScriptedBroker) -> None:

@@ -60,7 +60,7 @@ def test_a_message_is_a_frame_with_its_stamp() -> None:
         (b"x" * (MAX_PAYLOAD_BYTES + 1), False, "overlong"),
     ],
 )
-def test_what_is_no_frame_is_counted_and_is_data_all_the_same(
+def test_what_is_no_frame_is_counted_and_is_data_unless_it_was_kept(
     payload: bytes, retained: bool, reason: str
 ) -> None:
     rig = Rig()
@@ -69,7 +69,7 @@ def test_what_is_no_frame_is_counted_and_is_data_all_the_same(
     assert rig.frames == []
     assert rig.tally.frame_errors == {reason: 2}
     assert (rig.tally.frames, rig.tally.received_bytes) == (0, 2 * len(payload))
-    assert rig.tally.last_data_ns is not None
+    assert (rig.tally.last_data_ns is None) == retained
 
 
 def test_the_longest_payload_is_a_frame() -> None:
@@ -95,7 +95,10 @@ def test_what_another_device_sends_does_not_hide_that_ours_is_silent() -> None:
     rig = Rig(is_filter=True)
     rig.take(b"1", topic="a/imu")
     last_ns = rig.tally.last_data_ns
-    rig.take(b"2", topic="b/imu")
+    for payload in (b"2", b"", b"x" * (MAX_PAYLOAD_BYTES + 1)):
+        rig.take(payload, topic="b/imu")
+    rig.take(b"kept", topic="b/imu", retained=True)
+    assert rig.tally.frame_errors == {"other_topic": 4}
     assert rig.tally.last_data_ns == last_ns
     rig.take(b"3", topic="a/imu")
     assert rig.tally.last_data_ns != last_ns

@@ -2,11 +2,13 @@
 
 import select
 import threading
+from collections import Counter
 from contextlib import suppress
 from typing import Any
 
 from imu_mqtt.config import MqttConfig
-from imu_mqtt.connection import Connection, RefusedError
+from imu_mqtt.connection import Connection
+from imu_mqtt.dialing import RefusedError
 from imu_mqtt.subscription import Subscription
 from rosbase.backoff import Backoff
 from rosbase.errors import TransportError
@@ -43,9 +45,13 @@ class NetworkThread:
         self._backoff = Backoff()
         self._slower, self._slow = Backoff(_SLOWER_S, _SLOWER_S), Backoff(_SLOW_S / 2, _SLOW_S)
         self._early_ends = 0
+        self._said: Counter[str] = Counter()
+        self._has_complained = False
         self._proved_from_ns = 0
         self._is_proved = False
         self._was_connected = False
+        self._is_let_in = False
+        self._is_reported = False
         self.is_connected = False
         """Whether there is a connection at this moment."""
         self._is_tried = threading.Event()
@@ -121,6 +127,10 @@ class NetworkThread:
                 self._config, self._context.clock, self._take, lambda: not self._stopping
             )
             self._connection.open()
+            self._is_let_in = True
+            if self._wanted is not None:
+                # Before it is said to be back: a broker may let us in, and not read.
+                self._resubscribe(self._connection)
             self._note_connected()
             self._serve(self._connection)
         except TransportError as error:
@@ -150,7 +160,9 @@ class NetworkThread:
         try:
             connection.subscribe()
         except RefusedError as error:
-            wanted.answer(error)
+            if wanted.answer(error) and not self._config.wait_for_broker:
+                # Whoever starts it is told, and decides.
+                self._is_reported = True
             raise
         # What came before the broker's answer was sent before, to the last subscription.
         self._made = wanted
@@ -183,6 +195,7 @@ class NetworkThread:
         if self._early_ends >= _MANY_ENDS:
             self._say_connected()
         self._early_ends = 0
+        self._said.clear()
         for backoff in (self._backoff, self._slower, self._slow):
             backoff.reset()
 
@@ -196,10 +209,14 @@ class NetworkThread:
         if self._stopping:
             return 0.0
         if isinstance(error, RefusedError):
-            self._say(str(error))
+            if self._is_reported:
+                self._tally.last_error = str(error)
+            else:
+                self._say(str(error))
+            self._is_reported = False
             return self._slow.next_s()
         # A broker that cannot be reached throws nobody out.
-        self._early_ends = self._early_ends + (not self._is_proved) if self.is_connected else 0
+        self._early_ends = self._early_ends + (not self._is_proved) if self._is_let_in else 0
         if self._early_ends >= _MANY_ENDS:
             # Not the reason, which alternates: it has been said, and this is to be said once.
             config = self._config
@@ -212,7 +229,7 @@ class NetworkThread:
         return self._backoff.next_s()
 
     def _end_connection(self) -> None:
-        self.is_connected = False
+        self.is_connected = self._is_let_in = False
         made, self._made = self._made, None
         connection, self._connection = self._connection, None
         if connection is not None:
@@ -239,11 +256,20 @@ class NetworkThread:
 
     def _say_connected(self) -> None:
         self._tally.last_error = ""
-        state = "back at" if self._was_connected else "connected to"
-        self._context.logger.info(f"{state} {self._config.address}")
+        if self._has_complained or not self._was_connected:
+            state = "back at" if self._was_connected else "connected to"
+            self._context.logger.info(f"{state} {self._config.address}")
+        self._has_complained = False
 
     def _say(self, reason: str) -> None:
-        """Logs why there is no data, once for each reason in a row."""
-        if reason != self._tally.last_error:
-            self._tally.last_error = reason
+        """Logs why there is no data, once for each reason in a row.
+
+        And no more than a few times until a connection lasts, for reasons may take turns.
+        """
+        if reason == self._tally.last_error:
+            return
+        self._tally.last_error = reason
+        self._said[reason] += 1
+        if self._said[reason] <= _MANY_ENDS:
+            self._has_complained = True
             self._context.logger.warning(f"{reason}; trying again")

@@ -13,6 +13,8 @@ MAX_PAYLOAD_BYTES = 65_536
 
 _REMEMBERED = 100
 _BLANK = b"\0 \t\r\n"
+# What another device sends, or once sent, must not hide that ours is silent.
+_NO_SIGN_OF_LIFE = frozenset({"other_topic", "retained"})
 
 
 class Subscription:
@@ -41,14 +43,16 @@ class Subscription:
         self._is_answered = threading.Event()
         self._refusal: TransportError | None = None
 
-    def answer(self, refusal: TransportError | None = None) -> None:
+    def answer(self, refusal: TransportError | None = None) -> bool:
         """Notes what the broker has said, or that nobody is there to say anything.
 
-        The first answer counts: to the others nobody listens.
+        Tells whether somebody may listen: only the first answer counts.
         """
-        if not self._is_answered.is_set():
-            self._refusal = refusal
-            self._is_answered.set()
+        if self._is_answered.is_set():
+            return False
+        self._refusal = refusal
+        self._is_answered.set()
+        return True
 
     def await_answer(self, timeout_s: float) -> TransportError | None:
         """Waits for the broker's answer; gives why it refuses, if it does."""
@@ -71,8 +75,7 @@ class Subscription:
         tally = self._tally
         tally.received_bytes += len(payload)
         reason = self._refuses(payload, topic, retained, redelivered)
-        if reason != "other_topic":
-            # What another device sends must not hide that ours is silent.
+        if reason not in _NO_SIGN_OF_LIFE:
             tally.last_data_ns = self._context.clock.monotonic_ns()
         if reason:
             tally.count_error(reason)
@@ -86,6 +89,8 @@ class Subscription:
 
     def _refuses(self, payload: bytes, topic: str, retained: bool, redelivered: bool) -> str:
         """Why a message is no frame, in one word; empty if it is one."""
+        if self._topic is not None and topic != self._topic:
+            return "other_topic"
         if retained:
             # It was sent before anybody asked, nobody knows when.
             return "retained"
@@ -93,15 +98,10 @@ class Subscription:
             return "empty"
         if len(payload) > MAX_PAYLOAD_BYTES:
             return "overlong"
-        if self._is_filter and not self._is_of_device(topic):
-            return "other_topic"
+        if self._is_filter and self._topic is None:
+            self._topic = topic
+            self._context.logger.info(f"reading {topic}")
         if redelivered and payload in self._recent:
             return "duplicate"
         self._recent.append(payload)
         return ""
-
-    def _is_of_device(self, topic: str) -> bool:
-        if self._topic is None:
-            self._topic = topic
-            self._context.logger.info(f"reading {topic}")
-        return topic == self._topic

@@ -68,7 +68,7 @@ class MqttTransport(Transport):
             )
             self._network.want(subscription)
             refusal = subscription.await_answer(_ANSWER_TIMEOUT_S)
-            if refusal is not None:
+            if refusal is not None and not self._config.wait_for_broker:
                 self._network.want(None)
                 raise refusal
             self._subscription = subscription
