@@ -124,7 +124,7 @@ def test_m3_a_wrong_password_is_named_tried_slowly_and_recovers_when_it_is_put_r
         broker.address, username="imu", password_file=str(own), wait_for_broker=True
     )
     refused_s = time.monotonic()
-    assert transport.health.last_error == f"{broker.address} refuses us: Not authorized"
+    assert transport.health.last_error == f"{broker.address} refuses us as 'imu': Not authorized"
     if side == "client":
         own.write_text("right\n")
     else:
@@ -143,7 +143,9 @@ def test_m3_a_wrong_password_fails_in_one_line_that_does_not_tell_it(
     broker = rig.broker(more=f"allow_anonymous false\npassword_file {rig.folder / 'passwords'}")
     monkeypatch.setenv(PASSWORD_VARIABLE, "hush")
     transport = rig.transport(broker.address, username="imu", mqtt_version=version)
-    with pytest.raises(DevicePermissionError, match=r"refuses us: Not authorized$") as caught:
+    with pytest.raises(
+        DevicePermissionError, match=r"refuses us as 'imu': Not authorized$"
+    ) as caught:
         transport.open()
     assert "hush" not in str(caught.value)
     monkeypatch.setenv(PASSWORD_VARIABLE, "right")

@@ -87,7 +87,7 @@ def test_a_wrong_password_fails_and_is_not_told(
         Outcome.FAIL,
         Outcome.OK,
     ]
-    assert wrong.text == f"{guarded.address} refuses us: Not authorized"
+    assert wrong.text == f"{guarded.address} refuses us as 'imu': Not authorized"
     assert "without a username" in nobody.advice
     assert "as 'imu'" in wrong.advice
     assert PASSWORD_VARIABLE in wrong.advice
@@ -110,6 +110,58 @@ def test_a_certificate_that_nobody_here_trusts_fails_with_what_to_trust(
 
 
 @needs_mosquitto
+def test_what_is_advised_on_tls_is_what_is_wrong(rig: MosquittoRig) -> None:
+    authority = Authority(rig.folder, "authority")
+    certificate, key = authority.sign("server", host="DNS:localhost")
+    ca = str(authority.file)
+    settings = (f"certfile {certificate}", f"keyfile {key}", f"cafile {ca}")
+    broker = rig.broker(*settings, "require_certificate true")
+    secure, by_number = f"mqtts://localhost:{broker.port}", f"mqtts://127.0.0.1:{broker.port}"
+    trusted = {"tls_ca_file": ca}
+    assert "a name that the broker's certificate has" in (
+        finding(server_address=by_number, **trusted).advice
+    )
+    mine = {"tls_cert_file": str(certificate), "tls_key_file": str(rig.folder / "none")}
+    assert "PEM files" in finding(server_address=secure, **trusted, **mine).advice
+    refused = finding(server_address=secure, **trusted)
+    # The broker says why and hangs up, and the network may lose the one over the other.
+    assert "tls_cert_file" in refused.advice or "hung up" in refused.text
+    broker.stop()
+    plain = rig.broker()
+    assert "say tcp://" in finding(server_address=f"mqtts://localhost:{plain.port}").text
+
+
+def test_what_speaks_no_mqtt_is_no_matter_of_passwords() -> None:
+    with ScriptedBroker(lambda peer: peer.send(b"HTTP/1.1 400 Bad Request\r\n\r\n")) as web:
+        found = finding(server_address=web.address)
+    assert "ws://" in found.advice or "is it one for MQTT?" in found.advice
+
+
+@pytest.mark.parametrize(
+    ("given", "password", "text"),
+    [
+        ({"username": "imu"}, "", "refuses us as 'imu' without a password: "),
+        ({}, "right", f"refuses us without a username, which {PASSWORD_VARIABLE} needs: "),
+        ({}, "", "refuses us: "),
+    ],
+)
+def test_a_refusal_says_as_whom_we_came(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, str], password: str, text: str
+) -> None:
+    if password:
+        monkeypatch.setenv(PASSWORD_VARIABLE, password)
+    with ScriptedBroker(refuses(5)) as broker:
+        assert text in finding(server_address=broker.address, **given).text
+
+
+def test_a_broker_for_an_older_version_is_thought_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "ANSWER_TIMEOUT_S", 0.2)
+    with ScriptedBroker(says_nothing) as broker:
+        found = finding(server_address=broker.address, mqtt_version="5")
+    assert found.text.endswith("; does it speak MQTT 5?")
+
+
+@needs_mosquitto
 def test_a_reader_that_is_connected_is_not_disturbed(rig: MosquittoRig) -> None:
     broker = rig.broker()
     own = {"client_id": "imu", "status_topic": "imu/status"}
@@ -129,7 +181,7 @@ def test_values_that_contradict_each_other_fail_in_one_line() -> None:
 
 
 def test_a_broker_that_says_nothing_fails_in_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connection, "CONNECT_TIMEOUT_S", 0.2)
+    monkeypatch.setattr(connection, "ANSWER_TIMEOUT_S", 0.2)
     with ScriptedBroker(says_nothing) as broker:
         took_s = elapsed(lambda: finding(server_address=broker.address))
         assert took_s < 2.0

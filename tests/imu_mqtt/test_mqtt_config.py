@@ -1,15 +1,16 @@
 """Addresses, topics and passwords: what is taken, and what is said of the rest."""
 
 import logging
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from imu_mqtt.config import PASSWORD_VARIABLE, Address
-from imu_mqtt.connection import RefusedError
+from imu_mqtt.dialing import RefusedError
 from rosbase.errors import ParameterError, TransportError
 from support.mqtt import ScriptedBroker, packet, refuses
 from support.mqtt_rig import MqttRig, config
@@ -102,6 +103,8 @@ def test_any_text_is_an_address_that_reads_back_or_a_complaint(text: str) -> Non
 
 @given(mqtt_secrets)
 def test_no_complaint_about_an_address_says_the_password_in_it(secret: str) -> None:
+    # What would be said of any password.
+    assume(secret not in complaint(address="tcp://a:b@host"))
     for text in (f"tcp://me:{secret}@host", f"tcp://{secret}@host:1", f"//me:{secret}@host:x"):
         said = complaint(address=text)
         assert PASSWORD_VARIABLE in said
@@ -138,6 +141,28 @@ def test_any_text_is_a_topic_or_a_complaint(topic: str) -> None:
         complaint(mqtt_topic=topic)
 
 
+@pytest.mark.parametrize(
+    ("read", "status"),
+    [("a/b", "a/b"), ("a/+", "a/b"), ("#", "a"), ("a/#", "a"), ("a/#", "a/b/c"), ("+/+", "a/b")],
+)
+def test_a_status_topic_that_would_be_read_as_the_device_is_refused(read: str, status: str) -> None:
+    assert "is one that mqtt_topic reads" in complaint(mqtt_topic=read, status_topic=status)
+
+
+@pytest.mark.parametrize(
+    ("read", "status"), [("a/b", "a"), ("a/+", "a/b/c"), ("+", "a/b"), ("a/+/c", "a/b/d")]
+)
+def test_a_status_topic_beside_the_devices_is_fine(read: str, status: str) -> None:
+    assert config(mqtt_topic=read, status_topic=status).status_topic == status
+
+
+def test_a_tilde_stands_for_the_users_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/me")
+    files = {"tls_ca_file": "~/ca.pem", "password_file": "~/password"}
+    made = config(address="mqtts://host", username="me", **files)
+    assert (made.ca_file, made.password_file) == ("/home/me/ca.pem", "/home/me/password")
+
+
 @pytest.mark.parametrize("name", ["client_id", "username", "status_topic"])
 @pytest.mark.parametrize("text", ["x" * 65_536, "\0", "\udcff", "a\nb", "a\x9f"])
 def test_what_mqtt_cannot_carry_is_said_before_anything_is_dialled(name: str, text: str) -> None:
@@ -170,16 +195,20 @@ def test_a_file_goes_before_the_environment_and_is_read_anew(
     file = tmp_path / "password"
     monkeypatch.setenv(PASSWORD_VARIABLE, "another")
     settings = config(username="me", password_file=str(file))
-    for written, read in ((f"{SECRET}\n", SECRET), (" with blanks ", " with blanks "), ("", "")):
+    for written, read in ((f"{SECRET}\n", SECRET), (" with blanks ", " with blanks ")):
         file.write_text(written)
         assert settings.read_password() == read
 
 
-@pytest.mark.parametrize("what", ["absent", "folder", "name", "bytes", "long", "zero"])
+@pytest.mark.parametrize(
+    "what", ["absent", "folder", "name", "bytes", "long", "zero", "empty", "pipe"]
+)
 def test_a_password_that_cannot_be_read_is_one_line_without_it(tmp_path: Path, what: str) -> None:
     file = tmp_path / "password"
     contents = {"bytes": SECRET.encode() + b"\xff", "long": SECRET.encode() * 20_000}
-    contents["zero"] = SECRET.encode() + b"\0"
+    contents |= {"zero": SECRET.encode() + b"\0", "empty": b"\n"}
+    if what == "pipe":
+        os.mkfifo(file)
     if what in contents:
         file.write_bytes(contents[what])
     names = {"folder": str(tmp_path), "name": "a\0b"}

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from imu_mqtt.config import PASSWORD_VARIABLE, MqttConfig
-from imu_mqtt.connection import Connection, RefusedError, TlsError
+from imu_mqtt.connection import Connection
+from imu_mqtt.dialing import RefusedError
 from rosbase.checks import CheckContext, Finding, Outcome
 from rosbase.clock import Clock
 from rosbase.errors import DeviceNotFoundError, ParameterError, TransportError
@@ -57,8 +58,8 @@ def _advice_on(error: TransportError, config: MqttConfig) -> str:
     match error:
         case DeviceNotFoundError():
             return "start it, or name another: -p server_address:=tcp://HOST:PORT; or a firewall?"
-        case TlsError():
-            return "tls_ca_file names the certificate of who has signed the broker's"
+        case RefusedError(advice=advice) if advice:
+            return advice
         case RefusedError():
             who = f"as {config.username!r}" if config.username else "without a username"
             return (

@@ -1,9 +1,10 @@
 """The parameters of a broker and a topic, and the settings that their values amount to."""
 
+import errno
 import os
+import stat
 import uuid
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 from unicodedata import category
 from urllib.parse import SplitResult, urlsplit
@@ -54,7 +55,7 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     ParameterSpec(
         "wait_for_broker",
         default=False,
-        description="whether an absent broker is waited for, instead of a failure",
+        description="whether a broker that is absent or refuses is waited for, not a failure",
     ),
 )
 """What the transport adds to a reader's parameters. The first says which broker, and so on."""
@@ -135,10 +136,12 @@ class MqttConfig:
         _check_topic("mqtt_topic", given["mqtt_topic"], may_be_filter=True)
         if given["status_topic"]:
             _check_topic("status_topic", given["status_topic"], may_be_filter=False)
+            if _stands_for(given["mqtt_topic"], given["status_topic"]):
+                raise ParameterError("parameter status_topic is one that mqtt_topic reads")
         for name, needed in (("tls_key_file", "tls_cert_file"), ("password_file", "username")):
             if given[name] and not given[needed]:
                 raise ParameterError(f"parameter {name} needs {needed}")
-        files = [given[name] for name in ("tls_ca_file", "tls_cert_file", "tls_key_file")]
+        files = [_path(given[name]) for name in ("tls_ca_file", "tls_cert_file", "tls_key_file")]
         if any(files) and not address.is_secure:
             raise ParameterError(f"parameters tls_*: {address} is not a secure address")
         made_up = {"client_id": given["client_id"]} if given["client_id"] else {}
@@ -149,7 +152,7 @@ class MqttConfig:
             keepalive_s=given["keepalive"],
             version=given["mqtt_version"],
             username=given["username"],
-            password_file=given["password_file"],
+            password_file=_path(given["password_file"]),
             ca_file=files[0],
             cert_file=files[1],
             key_file=files[2],
@@ -175,13 +178,16 @@ class MqttConfig:
             password, source = self._read_password_file(), f"password_file {self.password_file!r}"
         if not _is_text(password or ""):
             raise TransportError(f"{source}: it is not a password in UTF-8")
+        if self.password_file and not password:
+            raise TransportError(f"{source}: it is empty")
         return password
 
     def _read_password_file(self) -> str:
+        # Bytes that are no text are let through here: the codec's error would quote them.
+        how: dict[str, Any] = {"encoding": "utf-8", "errors": "surrogateescape"}
         try:
-            # Bytes that are no text are let through here: the codec's error would quote them.
-            with Path(self.password_file).open(encoding="utf-8", errors="surrogateescape") as file:
-                return file.read(_MOST_BYTES + 2).rstrip("\r\n")
+            with open(self.password_file, opener=_open_file, **how) as file:
+                return str(file.read(_MOST_BYTES + 2)).rstrip("\r\n")
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", "") or "it names no file"
             raise TransportError(f"password_file {self.password_file!r}: {reason}") from error
@@ -203,6 +209,31 @@ def _complaint(text: str, url: SplitResult, port: int | None) -> str:
     if not url.hostname:
         return "names no host"
     return "takes a port from 1 to 65535" if port == 0 else ""
+
+
+def _open_file(path: str, flags: int) -> int:
+    """Opens a file, but no pipe: that can be read once, and each connection needs the password."""
+    fd = os.open(path, flags | os.O_NONBLOCK)
+    if stat.S_ISFIFO(os.fstat(fd).st_mode):
+        os.close(fd)
+        raise OSError(errno.EINVAL, "it is a pipe, not a file")
+    return fd
+
+
+def _path(text: str) -> str:
+    """A path, with the user's home for ~, as shells would have it. Empty stays empty."""
+    return os.path.expanduser(text)
+
+
+def _stands_for(topic_filter: str, topic: str) -> bool:
+    """Whether a subscription gets what is sent to a topic."""
+    wanted, levels = topic_filter.split("/"), topic.split("/")
+    if wanted[-1] == "#":
+        wanted.pop()
+        levels = levels[: len(wanted)]
+    return len(wanted) == len(levels) and all(
+        one in ("+", other) for one, other in zip(wanted, levels, strict=True)
+    )
 
 
 def _is_text(text: str) -> bool:
