@@ -6,7 +6,9 @@ Must implement: all of it. A plain class will do; there is nothing to inherit.
 from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
-__all__ = ["Device", "OpenDevice"]
+from rosbase.logger import RosbaseLogger
+
+__all__ = ["Device", "OpenDevice", "give_back"]
 
 
 class Device(Protocol):
@@ -42,6 +44,15 @@ class Device(Protocol):
     def close(self) -> None:
         """Gives the device back. Raises nothing. Called once."""
         ...
+
+
+def give_back(device: Device, logger: RosbaseLogger) -> None:
+    """Closes a device. What that raises although it should not is logged: it is gone anyhow."""
+    try:
+        device.close()
+    except Exception as error:
+        # The boundary to the author's code.
+        logger.error(f"closing {device.name} failed: {error!r}", exc_info=error)
 
 
 OpenDevice: TypeAlias = Callable[[], Device]

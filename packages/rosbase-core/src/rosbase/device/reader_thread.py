@@ -4,7 +4,7 @@ import select
 import threading
 
 from rosbase.backoff import Backoff
-from rosbase.device.device import Device, OpenDevice
+from rosbase.device.device import Device, OpenDevice, give_back
 from rosbase.errors import TransportError
 from rosbase.framing import Frame, Framer
 from rosbase.transport import OnFrame, Tally, TransportContext, hand_over
@@ -133,9 +133,10 @@ class ReaderThread:
                     if waited_ns < _HURRIED_NS and is_small:
                         self._sleep(_GATHER_S)
         except TransportError as error:
-            self._close_device()
             self._has_lost_device = True
+            # Before the state says that the device is gone: who sees that may ask why.
             self._say(error)
+            self._close_device()
 
     def _take(self, data: bytes) -> None:
         """Hands over the frames that the data completes."""
@@ -187,9 +188,9 @@ class ReaderThread:
         return self._stopping
 
     def _close_device(self) -> None:
-        if self.device is not None:
-            self.device.close()
-            self.device = None
+        device, self.device = self.device, None
+        if device is not None:
+            give_back(device, self._context.logger)
 
     def _say(self, error: TransportError) -> None:
         """Logs why there is no device, once for each reason in a row."""

@@ -2,7 +2,7 @@
 
 import threading
 
-from rosbase.device.device import Device, OpenDevice
+from rosbase.device.device import Device, OpenDevice, give_back
 from rosbase.device.reader_thread import ReaderThread
 from rosbase.errors import TransportError
 from rosbase.framing import Framer
@@ -96,9 +96,14 @@ class DeviceTransport(Transport):
                 # Known before it runs: the first frame may make `on_frame` call us.
                 self._reader, self._device = reader, None
                 reader.start()
-            except (OSError, RuntimeError) as error:
+            except BaseException as error:
                 self._reader, self._device = None, device
-                raise TransportError(f"no reader can be started: {error}") from error
+                if isinstance(error, NotImplementedError):
+                    # An author's, who has more to do. It is a RuntimeError too.
+                    raise
+                if isinstance(error, (OSError, RuntimeError)):
+                    raise TransportError(f"no reader can be started: {error}") from error
+                raise
             self._is_awaited = False
 
     def stop(self) -> None:
@@ -117,9 +122,9 @@ class DeviceTransport(Transport):
         with self._lock:
             self._end_reader()
             self._is_awaited = False
-            if self._device is not None:
-                self._device.close()
-                self._device = None
+            device, self._device = self._device, None
+            if device is not None:
+                give_back(device, self._context.logger)
 
     @property
     def is_open(self) -> bool:
