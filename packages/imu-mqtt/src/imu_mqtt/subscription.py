@@ -37,7 +37,8 @@ class Subscription:
         self._context = context
         self._is_filter = is_filter
         self._topic: str | None = None
-        self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
+        # Hashes, because a hundred long payloads would be some megabytes.
+        self._recent: deque[int] = deque(maxlen=_REMEMBERED)
         # Held while a frame is handed over.
         self._delivering = threading.RLock()
         self._is_answered = threading.Event()
@@ -101,7 +102,8 @@ class Subscription:
         if self._is_filter and self._topic is None:
             self._topic = topic
             self._context.logger.info(f"reading {topic}")
-        if redelivered and payload in self._recent:
+        digest = hash(payload)
+        if redelivered and digest in self._recent:
             return "duplicate"
-        self._recent.append(payload)
+        self._recent.append(digest)
         return ""
