@@ -2,9 +2,10 @@
 
 import pytest
 
+from rosbase.framing import Framer
 from rosbase.testing import BrokenPromiseError, FramerContract
 from rosbase.testing.framer_promises import FRAMER_PROMISES
-from support.mutants.framers import FRAMER_MUTANTS, FramerMutant
+from support.mutants.framers import FRAMER_MUTANTS, FramerMutant, GivingNothing, Unwritten, of
 
 pytestmark = pytest.mark.usefixtures("same_cases")
 
@@ -27,3 +28,17 @@ def test_no_check_of_a_framer_is_without_a_mutant() -> None:
     checks = [name for name in vars(FramerContract) if name.startswith("test_")]
     assert {name.removeprefix("test_").replace("_", "-") for name in checks} == NAMES
     assert {mutant.promise for mutant in FRAMER_MUTANTS} == NAMES
+
+
+@pytest.mark.parametrize("name", sorted(NAMES - {"a-framer-is-made"}))
+@pytest.mark.parametrize(
+    ("framer", "seen"),
+    [(Unwritten, "step 3: cut frames"), (GivingNothing, "gave None")],
+)
+def test_what_is_not_written_yet_is_named_by_every_check(
+    framer: type[Framer], seen: str, name: str
+) -> None:
+    with pytest.raises(BrokenPromiseError) as rejected:
+        getattr(of(framer)(), f"test_{name.replace('-', '_')}")()
+    assert seen in str(rejected.value)
+    assert len(str(rejected.value).splitlines()) == 4

@@ -6,6 +6,7 @@ from typing import TypeAlias
 from rosbase.framing import Frame, FrameError, FrameEvent, Framer
 from rosbase.testing.framer_promises import (
     CHUNKING,
+    ERRORS,
     JUNK,
     MEMORY,
     NOT_RAISING,
@@ -27,25 +28,35 @@ __all__ = [
     "check_frames_come_out_as_they_went_in",
     "check_junk_spoils_few_frames",
     "check_memory_is_bounded",
+    "check_memory_is_bounded_while_frames_come",
     "check_reset_forgets_a_begun_frame",
+    "check_stamp_after_junk",
     "check_stamp_is_that_of_the_first_bytes",
     "check_stamps_never_go_back",
     "check_two_framers_share_nothing",
+    "check_what_is_too_long_is_an_error",
 ]
 
 MakeFramer: TypeAlias = Callable[[], Framer]
+"""A new framer each time."""
 Encode: TypeAlias = Callable[[bytes], bytes]
 """The bytes of one frame with that payload, delimiters included."""
 
 _MOST_REASONS = 20
+_LONGEST_BYTES = 70_000
+_MOST_SHOWN = 10
 
 
 def check_frames_come_out_as_they_went_in(
     make_framer: MakeFramer, encode: Encode, payloads: Sequence[bytes]
 ) -> None:
     """Raises BrokenPromiseError if payloads do not come out as frames, as they were."""
-    came = _frames(make_framer().feed(b"".join(map(encode, payloads)), 0))
+    events = make_framer().feed(b"".join(map(encode, payloads)), 0)
+    came = _frames(events)
     UNALTERED.require(came == list(payloads), f"{_shown(payloads)} came out as {_shown(came)}")
+    for event in events:
+        kinds = [type(value).__name__ for value in event]
+        UNALTERED.require(kinds == ["bytes", "int"], f"a frame had {' and '.join(kinds)}")
 
 
 def check_chunking_does_not_matter(make_framer: MakeFramer, chunks: Sequence[bytes]) -> None:
@@ -62,9 +73,16 @@ def check_junk_spoils_few_frames(
     payloads: Sequence[bytes],
     most_lost: int = 1,
 ) -> None:
-    """Raises BrokenPromiseError if more than `most_lost` frames after junk are not whole."""
-    came = _frames(make_framer().feed(junk + b"".join(map(encode, payloads)), 0))
+    """Raises BrokenPromiseError if more than `most_lost` frames after junk are not whole.
+
+    Frames may come late: one that was cut short may announce more bytes than are left of it.
+    """
+    framer = make_framer()
+    came = _frames(framer.feed(junk + b"".join(map(encode, payloads)), 0))
     wanted = list(payloads[most_lost:])
+    if came[len(came) - len(wanted) :] != wanted or len(came) < len(wanted):
+        late, count = _flush(framer, encode, payloads[-1], 0)
+        came, wanted = came + _frames(late), wanted + [payloads[-1]] * count
     last = came[len(came) - len(wanted) :] if len(wanted) <= len(came) else came
     seen = f"after {_shown([junk])} came {_shown(came)} of {_shown(payloads)}"
     JUNK.require(last == wanted, seen)
@@ -94,17 +112,57 @@ def check_memory_is_bounded(
     MEMORY.require(grown < limit_bytes, f"{grown} bytes more after {fed_bytes} without an end")
 
 
+def check_memory_is_bounded_while_frames_come(
+    make_framer: MakeFramer, encode: Encode, payload: bytes, *, limit_bytes: int, fed_bytes: int
+) -> None:
+    """Raises BrokenPromiseError if it keeps frames that have come out."""
+    framer, encoded = make_framer(), encode(payload)
+    several = encoded * (1 + 1_000 // len(encoded))
+    with memory_growth() as growth:
+        for _ in range(fed_bytes // len(several)):
+            # A copy: what piles up as one object costs nothing.
+            framer.feed(bytes(bytearray(several)), 0)
+        grown = growth()
+    MEMORY.require(grown < limit_bytes, f"{grown} bytes more after {fed_bytes} in frames")
+
+
+def check_what_is_too_long_is_an_error(
+    make_framer: MakeFramer, encode: Encode, endless: bytes, payload: bytes, most_lost: int = 1
+) -> None:
+    """Raises BrokenPromiseError if so much without an end leaves no FrameError."""
+    framer = make_framer()
+    events = framer.feed(endless, 0) + framer.feed(encode(payload) * (most_lost + 1), 0)
+    has_error = any(isinstance(event, FrameError) for event in events)
+    ERRORS.require(has_error, f"{len(endless)} bytes without an end gave no FrameError")
+
+
 def check_stamp_is_that_of_the_first_bytes(
     make_framer: MakeFramer, encode: Encode, payload: bytes
 ) -> None:
-    """Raises BrokenPromiseError if a frame that is fed in two halves has another stamp."""
+    """Raises BrokenPromiseError if a frame that is fed in three pieces has another stamp."""
     framer = make_framer()
     encoded = encode(payload)
-    half = len(encoded) // 2
-    events = framer.feed(encoded[:half], 100) + framer.feed(encoded[half:] + encoded, 200)
+    third = len(encoded) // 3
+    events = framer.feed(encoded[:third], 100) + framer.feed(encoded[third : 2 * third], 200)
+    events += framer.feed(encoded[2 * third :] + encoded, 300)
     stamps = [event.stamp_ns for event in events]
-    seen = f"fed half at 100, half and a whole one at 200; the stamps were {stamps}"
-    STAMPS.require(stamps == [100, 200], seen)
+    seen = f"fed in thirds at 100, 200 and 300, with a whole one behind; the stamps were {stamps}"
+    STAMPS.require(stamps == [100, 300], seen)
+
+
+def check_stamp_after_junk(
+    make_framer: MakeFramer, encode: Encode, junk: bytes, payload: bytes, most_lost: int = 1
+) -> None:
+    """Raises BrokenPromiseError if a frame after junk has an earlier stamp than its own."""
+    framer = make_framer()
+    framer.feed(junk, 100)
+    framer.feed(encode(payload) * most_lost, 200)
+    events = framer.feed(encode(payload), 300)
+    if not events:
+        events, _ = _flush(framer, encode, payload, 400)
+    stamps = [event.stamp_ns for event in events if isinstance(event, Frame)]
+    seen = f"fed junk at 100, frames at 200, and one at 300; the last had the stamps {stamps[:5]}"
+    STAMPS.require(300 in stamps, seen)
 
 
 def check_stamps_never_go_back(make_framer: MakeFramer, chunks: Sequence[bytes]) -> None:
@@ -118,10 +176,16 @@ def check_stamps_never_go_back(make_framer: MakeFramer, chunks: Sequence[bytes])
 def check_reset_forgets_a_begun_frame(
     make_framer: MakeFramer, encode: Encode, begun: bytes, payload: bytes
 ) -> None:
-    """Raises BrokenPromiseError if, after reset, a begun frame is continued."""
+    """Raises BrokenPromiseError if, after reset, what was begun is continued.
+
+    Args:
+        make_framer: Makes one.
+        encode: Encodes a payload.
+        begun: What has been fed before reset: a part of a frame, or what never ends one.
+        payload: What comes after it.
+    """
     framer = make_framer()
-    encoded = encode(begun)
-    framer.feed(encoded[: len(encoded) // 2], 100)
+    framer.feed(begun, 100)
     framer.reset()
     events = framer.feed(encode(payload), 200)
     RESET.require(events == [Frame(payload, 200)], f"after reset, {payload!r} gave {events}")
@@ -151,6 +215,15 @@ def check_two_framers_share_nothing(
     SEPARATE.require((ones, others) == ([begun], [payload]), seen)
 
 
+def _flush(
+    framer: Framer, encode: Encode, payload: bytes, stamp_ns: int
+) -> tuple[list[FrameEvent], int]:
+    """Feeds so many frames that whatever was begun is over; gives what comes, and how many."""
+    encoded = encode(payload)
+    count = 1 + _LONGEST_BYTES // len(encoded)
+    return framer.feed(encoded * count, stamp_ns), count
+
+
 def _frames(events: Iterable[FrameEvent]) -> list[bytes]:
     return [event.data for event in events if isinstance(event, Frame)]
 
@@ -161,4 +234,6 @@ def _outcome(framer: Framer, chunks: Iterable[bytes]) -> list[bytes | str]:
 
 
 def _shown(frames: Iterable[bytes]) -> str:
-    return ", ".join(repr(f) if len(f) <= 60 else f"{f[:40]!r}..." for f in frames) or "nothing"
+    shown = [repr(f) if len(f) <= 60 else f"{f[:40]!r}..." for f in frames]
+    more = ["..."] if len(shown) > _MOST_SHOWN else []
+    return ", ".join(shown[:_MOST_SHOWN] + more) or "nothing"

@@ -4,6 +4,7 @@ from rosbase.testing.promise import Promise
 
 __all__ = [
     "CHUNKING",
+    "ERRORS",
     "FRAMER",
     "FRAMER_PROMISES",
     "JUNK",
@@ -46,7 +47,12 @@ NOT_RAISING = Promise(
 )
 MEMORY = Promise(
     "memory-is-bounded",
-    "Bytes that never end a frame do not pile up.",
+    "Neither bytes that never end a frame pile up, nor frames that have come out.",
+    _PAGE,
+)
+ERRORS = Promise(
+    "what-is-too-long-is-an-error",
+    "Bytes that are too many for a frame give a FrameError: what is lost is not lost in silence.",
     _PAGE,
 )
 STAMPS = Promise(
@@ -76,6 +82,6 @@ SEPARATE = Promise(
 )
 
 FRAMER_PROMISES = (
-    *(FRAMER, UNALTERED, CHUNKING, JUNK, NOT_RAISING, MEMORY),
+    *(FRAMER, UNALTERED, CHUNKING, JUNK, NOT_RAISING, MEMORY, ERRORS),
     *(STAMPS, STAMP_ORDER, RESET, REASONS, SEPARATE),
 )
