@@ -1,6 +1,8 @@
 """The kit for backends finds what is wrong with one, and says so by the promise that it breaks."""
 
+import os
 import re
+from collections.abc import Iterator
 from contextlib import suppress
 
 import pytest
@@ -11,7 +13,7 @@ from rosbase.clock import SystemClock
 from rosbase.local import Bus, LocalBackend
 from rosbase.testing import BackendCapabilities, BackendContract, BrokenPromiseError
 from rosbase.testing.backend_kit.promises import PROMISES
-from support.backend_mutants import MUTANTS, PATIENCE_S
+from support.backend_mutants import LEFT_OPEN, MUTANTS, PATIENCE_S
 
 CHECKS = {name for name in dir(BackendContract) if name.startswith("test_")}
 EVERYTHING = BackendCapabilities(
@@ -20,10 +22,13 @@ EVERYTHING = BackendCapabilities(
 
 
 @pytest.fixture(autouse=True)
-def own_world(monkeypatch: pytest.MonkeyPatch) -> None:
+def own_world(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Keeps what a broken backend leaves behind from the next one."""
     bus = Bus()
     monkeypatch.setattr("rosbase.local.backend.process_bus", lambda: bus)
+    yield
+    while LEFT_OPEN:
+        os.close(LEFT_OPEN.pop())
 
 
 def check_of(promise: str) -> str:

@@ -13,9 +13,10 @@ from support.backend_mutants import (
     timers,
     topics,
 )
-from support.backend_mutants.changed import MUTANTS, PATIENCE_S
+from support.backend_mutants.changed import LEFT_OPEN, MUTANTS, PATIENCE_S
 
 __all__ = [
+    "LEFT_OPEN",
     "MUTANTS",
     "PATIENCE_S",
     "ending",

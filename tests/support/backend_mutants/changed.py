@@ -10,6 +10,9 @@ from rosbase.local import Bus, LocalBackend
 MUTANTS: dict[str, list[type[Backend]]] = {}
 """By the name of the promise that they break."""
 
+LEFT_OPEN: list[int] = []
+"""Descriptors that a mutant has not closed."""
+
 PATIENCE_S = 0.3
 """How long the kit is to wait for these."""
 

@@ -1,5 +1,6 @@
 """What is wrong at the end."""
 
+import os
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +10,7 @@ from rosbase.errors import BackendError
 from rosbase.imu_sender import ImuSender
 from rosbase.local import LocalBackend
 from rosbase.messages import Imu, Vector3
-from support.backend_mutants.changed import Changed, breaks, too_long
+from support.backend_mutants.changed import LEFT_OPEN, Changed, breaks, too_long
 
 
 @breaks("destroyed-subscriptions-are-silent")
@@ -135,3 +136,23 @@ class ClosesTheWorld(LocalBackend):
         for topic in self._bus._topics.values():
             for publisher in topic.publishers:
                 publisher.close()
+
+
+@breaks("ended-publishers-are-silent")
+class ComplainsOfSamplesAfterClose(LocalBackend):
+    def imu_sender(self, publisher: Any, template: Imu) -> ImuSender:
+        send = super().imu_sender(publisher, template)
+
+        def send_or_complain(*sample: Any) -> None:
+            if self._closed:
+                raise BackendError("the backend is closed")
+            send(*sample)
+
+        return send_or_complain
+
+
+@breaks("closing-gives-descriptors-back")
+class LeavesADescriptor(LocalBackend):
+    def __init__(self, options: BackendOptions) -> None:
+        super().__init__(options)
+        LEFT_OPEN.append(os.open(os.devnull, os.O_RDONLY))

@@ -101,3 +101,14 @@ class TakesAnyProfile(Changed):
         return profile if isinstance(profile, QoSProfile) else 10
 
     offered = asked
+
+
+@breaks("handled-messages-are-not-kept")
+class KeepsEveryMessage(Changed):
+    def __init__(self, options: BackendOptions) -> None:
+        super().__init__(options)
+        self.kept: list[Any] = []
+
+    def send(self, publisher: Publisher, message: Any) -> None:
+        self.kept.append(message)
+        publisher.publish(message)

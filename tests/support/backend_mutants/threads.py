@@ -97,3 +97,56 @@ class OverhearsOtherThreads(Changed):
     def destroy_subscription(self, subscription: Subscription) -> None:
         if threading.current_thread() is self.thread:
             super().destroy_subscription(subscription)
+
+
+class KnowsItsCallbacks(Changed):
+    """Knows when it is called from within a callback."""
+
+    is_calling = False
+
+    def callback(self, callback: Callable[[Any], object]) -> Callable[[Any], object]:
+        def call(message: Any) -> None:
+            self.is_calling = True
+            try:
+                callback(message)
+            finally:
+                self.is_calling = False
+
+        return call
+
+
+@breaks("callbacks-may-use-the-backend")
+class WaitsForItsOwnCallback(KnowsItsCallbacks):
+    def send(self, publisher: Publisher, message: Any) -> None:
+        if self.is_calling:
+            too_long()
+        publisher.publish(message)
+
+
+@breaks("callbacks-may-use-the-backend")
+class LosesWhatACallbackPublishes(KnowsItsCallbacks):
+    def send(self, publisher: Publisher, message: Any) -> None:
+        if not self.is_calling:
+            publisher.publish(message)
+
+
+@breaks("callbacks-may-use-the-backend")
+class CreatesOnlyOutsideCallbacks(KnowsItsCallbacks):
+    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher:
+        if self.is_calling:
+            raise BackendError("not from within a callback")
+        return super().create_publisher(msg_type, topic, qos_profile)
+
+
+@breaks("errors-reach-the-spinner")
+class ForgetsWhatWaitsAfterAnError(Changed):
+    def callback(self, callback: Callable[[Any], object]) -> Callable[[Any], object]:
+        def call(message: Any) -> None:
+            try:
+                callback(message)
+            except Exception:
+                for queue in self.waiting():
+                    queue.clear()
+                raise
+
+        return call

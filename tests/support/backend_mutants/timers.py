@@ -108,3 +108,21 @@ class HasAnErrorOfItsOwn(LocalBackend):
             return super().create_timer(period_s, callback)
         except ValueError as error:
             raise BackendError(str(error)) from None
+
+
+@breaks("timers-keep-their-period")
+class IsATenthSlow(LocalBackend):
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        return super().create_timer(period_s * 1.1, callback)
+
+
+@breaks("timers-keep-their-period")
+class IsThriceAsSlow(LocalBackend):
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        return super().create_timer(period_s * 3, callback)
+
+
+@breaks("timers-keep-their-period")
+class CallsTwice(LocalBackend):
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        return super().create_timer(period_s, lambda: (callback(), callback()))

@@ -9,10 +9,12 @@ from rosbase.messages import Imu, String
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig, Listener
 from rosbase.testing.promise import Promise
+from rosbase.testing.resources import descriptors
 
 __all__ = ["EndingChecks"]
 
 _WORDS = range(20)
+_LIVES = 3
 _SAMPLE: Any = (0, (0.0, 0.0, 0.0, 1.0), (0.0,) * 3, (0.0,) * 3)
 
 
@@ -36,6 +38,8 @@ class EndingChecks(BackendRig):
         ended, other, listener = self.talker(backend), self.talker(backend), self.listener(backend)
         samples = backend.create_publisher(Imu, f"{self.topic}_imu", 1)
         send = backend.imu_sender(samples, Imu())
+        more_samples = backend.create_publisher(Imu, f"{self.topic}_imu", 1)
+        send_more = backend.imu_sender(more_samples, Imu())
         self.connect(promised, ended, listener)
         self.connect(promised, other, listener)
         backend.destroy_publisher(ended.publisher)
@@ -46,6 +50,7 @@ class EndingChecks(BackendRig):
         promised.require(not listener.numbers, "what a destroyed publisher sent has arrived")
         backend.close()
         self.raises_nothing(promised, lambda: other.say(1), "publish, after close,")
+        self.raises_nothing(promised, lambda: send_more(*_SAMPLE), "a sender, after close,")
 
     def test_destroying_twice_is_harmless(self) -> None:
         promised, backend = promise("destroying-twice-is-harmless"), self.open()
@@ -101,6 +106,26 @@ class EndingChecks(BackendRig):
             return [thread.name for thread in set(threading.enumerate()) - before]
 
         self.wait(promised, lambda: not left(), lambda: f"after close these run on: {left()}")
+
+    def test_closing_gives_descriptors_back(self) -> None:
+        promised = promise("closing-gives-descriptors-back")
+
+        def live() -> None:
+            backend = self.open()
+            talker, listener = self.talker(backend), self.listener(backend)
+            self.connect(promised, talker, listener)
+            backend.close()
+
+        # What is opened once, and kept for the whole process, is no backend's.
+        live()
+        before = descriptors()
+        for _ in range(_LIVES):
+            live()
+        self.wait(
+            promised,
+            lambda: descriptors() <= before,
+            lambda: f"{descriptors()} were open after {_LIVES} more backends, {before} before",
+        )
 
     def test_closed_backends_call_nobody(self) -> None:
         promised, backend = promise("closed-backends-call-nobody"), self.open()

@@ -29,9 +29,13 @@ _SENTENCES = {
     "callbacks-run-on-the-spinning-thread": (
         "every callback runs on the thread that spins, and only while it spins"
     ),
+    "callbacks-may-use-the-backend": (
+        "a callback may publish, create and destroy; what it publishes arrives"
+    ),
     "messages-wake-the-spinner": "a spinner that waits is woken by a message",
     "errors-reach-the-spinner": (
-        "what a callback raises is raised to whoever spins, who may go on spinning"
+        "what a callback raises is raised to whoever spins, who may go on spinning,"
+        " and costs no other message"
     ),
     "publishing-is-for-any-thread": (
         "several threads may publish at once: nothing is lost, and what each sends stays in order"
@@ -71,6 +75,7 @@ _SENTENCES = {
         " and counted"
     ),
     "keep-all-drops-none": "with KEEP_ALL every message waits for the callback",
+    "handled-messages-are-not-kept": ("a message that has been handled takes no memory any more"),
     "late-subscriptions-get-what-was-kept": (
         "a TRANSIENT_LOCAL subscription that comes late gets the publisher's last messages,"
         " in order, before what is published later"
@@ -95,6 +100,9 @@ _SENTENCES = {
     # Timers.
     "timers-keep-to-their-deadlines": (
         "a timer's deadlines are absolute: a call that is late does not put off the next one"
+    ),
+    "timers-keep-their-period": (
+        "over many periods a timer is neither slower nor faster than its period"
     ),
     "missed-calls-are-skipped": "calls that a timer has missed are skipped, not caught up",
     "timers-wait-one-period": "the first call of a timer is one period after it was created",
@@ -134,6 +142,9 @@ _SENTENCES = {
     "closing-twice-is-harmless": "close may be called again",
     "closing-is-bounded": "close returns within seconds, whatever waits to be handled",
     "closing-ends-threads": "the threads that a backend has started end with it",
+    "closing-gives-descriptors-back": (
+        "the descriptors that a backend has opened are closed with it"
+    ),
     "closed-backends-call-nobody": (
         "after close nothing is called back, whatever was waiting or is reset"
     ),

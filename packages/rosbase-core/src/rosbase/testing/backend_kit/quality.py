@@ -6,12 +6,13 @@ from typing import Any
 
 from rosbase.backend import Backend
 from rosbase.errors import BackendError
-from rosbase.messages import Vector3
+from rosbase.messages import String, Vector3
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosbase.testing.backend_kit.overheard import overhearing
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig, Listener, Talker
 from rosbase.testing.promise import Promise
+from rosbase.testing.resources import memory_growth
 
 __all__ = ["QualityChecks"]
 
@@ -21,6 +22,7 @@ _BEST_EFFORT = QoSProfile(reliability=ReliabilityPolicy.BEST_EFFORT)
 _WAITING = 3
 _LOST = 4
 _MANY = 300
+_LONG, _TIMES = 20_000, 100
 
 
 def _latched(depth: int = 10, **policies: Any) -> QoSProfile:
@@ -61,6 +63,41 @@ class QualityChecks(BackendRig):
         promised.require(
             listener.numbers == list(range(_MANY)) and not dropped,
             f"{len(listener.numbers)} of {_MANY} were heard, and dropped is {dropped}",
+        )
+
+    def test_handled_messages_are_not_kept(self) -> None:
+        promised, backend = promise("handled-messages-are-not-kept"), self.open()
+        heard: list[int] = []
+        backend.create_subscription(
+            String, self.topic, lambda message: heard.append(len(message.data)), 10
+        )
+        publisher = backend.create_publisher(String, self.topic, 10)
+
+        def send_one() -> None:
+            before = len(heard)
+            # A text of its own each time: one that is kept many times costs nothing.
+            publisher.publish(String(chr(97 + before % 26) * _LONG))
+            self.wait(
+                promised,
+                lambda: len(heard) > before,
+                lambda: "a message has not arrived",
+                backend,
+                meanwhile=lambda: None,
+            )
+
+        self.wait(
+            promised,
+            lambda: heard,
+            lambda: "a subscription does not hear a publisher of its topic",
+            backend,
+            meanwhile=lambda: publisher.publish(String("found")),
+        )
+        with memory_growth() as growth:
+            for _ in range(_TIMES):
+                send_one()
+            grown = growth()
+        promised.require(
+            grown < _LONG * _TIMES / 4, f"{grown} bytes more after {_LONG * _TIMES} in messages"
         )
 
     def test_late_subscriptions_get_what_was_kept(self) -> None:

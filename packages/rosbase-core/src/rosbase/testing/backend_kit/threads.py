@@ -66,6 +66,37 @@ class ThreadChecks(BackendRig):
             "a callback was called on another thread than that which spins",
         )
 
+    def test_callbacks_may_use_the_backend(self) -> None:
+        promised, backend = promise("callbacks-may-use-the-backend"), self.open()
+        talker, listener = self.talker(backend), self.listener(backend)
+        other, answers = f"{self.topic}_answers", list[float]()
+        backend.create_subscription(Vector3, other, lambda answer: answers.append(answer.x), 10)
+        answering = backend.create_publisher(Vector3, other, 10)
+        self.connect(promised, talker, listener)
+
+        def use(message: Vector3) -> None:
+            answering.publish(message)
+            publisher = backend.create_publisher(Vector3, other, 10)
+            subscription = backend.create_subscription(Vector3, other, print, 10)
+            timer = backend.create_timer(60.0, print)
+            backend.destroy_publisher(publisher)
+            backend.destroy_subscription(subscription)
+            backend.destroy_timer(timer)
+
+        backend.create_subscription(Vector3, self.topic, use, 10)
+        # On another thread, because a publish that waits for its own thread hangs for ever.
+        self.on_thread(
+            promised,
+            lambda: self.wait(
+                promised,
+                lambda: answers,
+                lambda: "what a callback has published has not arrived",
+                backend,
+                meanwhile=talker.mark,
+            ),
+            "spinning, with a callback that publishes,",
+        )
+
     def test_messages_wake_the_spinner(self) -> None:
         promised, backend = promise("messages-wake-the-spinner"), self.open()
         talker, listener = self.talker(backend), self.listener(backend)
@@ -106,6 +137,13 @@ class ThreadChecks(BackendRig):
             promised,
             lambda: {"subscription", "timer", "call"} <= set(raised),
             lambda: f"of a subscription, a timer and a call that raise, {set(raised)} did",
+            meanwhile=spin,
+        )
+        talker.say(1, 2, 3)
+        self.wait(
+            promised,
+            lambda: listener.numbers == [1, 2, 3],
+            lambda: f"beside callbacks that raise, {listener.numbers} arrived of [1, 2, 3]",
             meanwhile=spin,
         )
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
+from statistics import median
 
 from rosbase.backend import Backend
 from rosbase.clock import Clock, SystemClock
@@ -15,6 +16,7 @@ __all__ = ["TimerChecks"]
 
 _PERIOD_S = 0.02
 _NS_PER_S = 1_000_000_000
+_MANY = 40
 _NO_PERIODS = (0, -1.0, float("nan"), float("inf"))
 
 
@@ -62,6 +64,18 @@ class TimerChecks(BackendRig):
         shortest = min(b - a for a, b in pairwise(ticks.times))
         promised.require(
             shortest < 0.8, f"with calls that take 1.5 periods it was called at {ticks.shown()}"
+        )
+
+    def test_timers_keep_their_period(self) -> None:
+        promised, backend = promise("timers-keep-their-period"), self._open_timed()
+        ticks = _Ticks(backend)
+        self._await_ticks(promised, backend, ticks, _MANY)
+        # The middle one, because a machine that is busy is late now and then.
+        gap = median(later - earlier for earlier, later in pairwise(ticks.times))
+        late = median((time + 0.1) % 1.0 - 0.1 for time in ticks.times)
+        promised.require(
+            0.5 < gap < 1.5 and late < 0.3,
+            f"{gap:.2f} periods passed between calls, and they were {late:.2f} late",
         )
 
     def test_missed_calls_are_skipped(self) -> None:
