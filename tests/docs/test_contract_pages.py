@@ -5,6 +5,7 @@ import re
 import pytest
 
 from rosbase.testing import FramerContract, TransportCapabilities, TransportContract
+from rosbase.testing.backend_kit.promises import PROMISES
 from rosbase.testing.framer_promises import FRAMER_PROMISES
 from rosbase.testing.promise import Promise
 from rosbase.testing.transport_kit.author import TransportAuthor
@@ -49,6 +50,13 @@ def test_a_section_says_which_capability_the_promise_needs(promise: Promise) -> 
     needs = " and ".join(f"`{need}`" for need in check.needs)
     said = [p for p in sections_of(promise.page)[promise.name] if p.startswith("Needs ")]
     assert said == ([f"Needs {needs}."] if needs else [])
+
+
+def test_the_page_of_backends_has_each_promise_in_its_order() -> None:
+    sections = sections_of("plugins/backend-contract")
+    assert list(sections) == list(PROMISES)
+    for name, promise in PROMISES.items():
+        assert sections[name][0] == f"{promise.sentence}."
 
 
 def test_the_page_of_the_kit_counts_the_promises() -> None:

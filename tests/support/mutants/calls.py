@@ -7,6 +7,7 @@ from queue import SimpleQueue
 from rosbase.clock import SystemClock
 from rosbase.errors import TransportError
 from rosbase.plugins import TransportPlugin
+from rosbase.testing import TransportCapabilities
 from rosbase.transport import OnFrame, TransportState
 from support.fifo import PARAMETERS, FifoContract, make_transport
 from support.mutants.mutant import Wrapped, mutant, wait_for_release
@@ -53,33 +54,39 @@ class PeerNamesStrangeParameters(FifoContract):
         return TransportPlugin("fifo", "lines", make_transport, PARAMETERS[1:])
 
 
-@mutant("each-call-may-be-made-twice", "threads hand over")
-class StartsTwoReaders(Wrapped):
-    """Threads that read one device in turn: which of them is first is not left to the system."""
+class StartsAgain(Wrapped):
+    """The second start has another way of handing over begin."""
 
-    is_started = False
+    on_frame: OnFrame | None = None
 
     def start(self, on_frame: OnFrame) -> None:
-        if self.is_started:
-            self.inner.stop()
-            self.inner.start(take_turns(on_frame))
-        else:
+        if self.on_frame is None:
+            self.on_frame = on_frame
             self.inner.start(on_frame)
-        self.is_started = True
+        else:
+            self.inner.stop()
+            self.inner.start(self.other_way(self.on_frame))
+
+    def other_way(self, on_frame: OnFrame) -> OnFrame:
+        raise NotImplementedError
+
+
+@mutant("each-call-may-be-made-twice", "threads hand over")
+class StartsTwoReaders(StartsAgain):
+    """Threads that read one device in turn: which of them is first is not left to the system."""
+
+    def other_way(self, on_frame: OnFrame) -> OnFrame:
+        return take_turns(on_frame)
 
 
 @mutant("each-call-may-be-made-twice", "after two starts frames came twice")
-class EachStartSubscribes(Wrapped):
-    def prepare(self) -> None:
-        self.subscribed: list[OnFrame] = []
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.subscribed.append(on_frame)
-        self.inner.start(self.deliver)
-
-    def deliver(self, frame: bytes, stamp_ns: int) -> None:
-        for on_frame in self.subscribed:
+class EachStartSubscribes(StartsAgain):
+    def other_way(self, on_frame: OnFrame) -> OnFrame:
+        def twice(frame: bytes, stamp_ns: int) -> None:
             on_frame(frame, stamp_ns)
+            on_frame(frame, stamp_ns)
+
+        return twice
 
 
 @mutant("each-call-may-be-made-twice", "open() raised")
@@ -275,3 +282,75 @@ class ForgetsItsSubscriberAfterAnIdleStop(Wrapped):
         self.is_spoiled = self.inner.is_open and not self.is_started
         self.is_started = False
         self.inner.stop()
+
+
+@mutant("what-the-peer-can-do-is-declared", "the peer has unplug() and replug(), and")
+class DeclaresTooLittle(FifoContract):
+    capabilities = TransportCapabilities(is_stream=True)
+
+
+@mutant("each-call-may-be-made-twice", "the two on_frame got 0 and 20 of 20 frames")
+class SecondStartTakesTheNewSubscriber(Wrapped):
+    on_frame: OnFrame | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.on_frame = on_frame
+        self.inner.start(self.deliver)
+
+    def deliver(self, frame: bytes, stamp_ns: int) -> None:
+        if self.on_frame is not None:
+            self.on_frame(frame, stamp_ns)
+
+
+@mutant("calls-are-bounded-within-a-frame", "stop() has not returned after 0.4 s")
+class StopWaitsForTheEndOfABegunFrame(Wrapped):
+    def stop(self) -> None:
+        # Nothing has been handed over of what has arrived.
+        if self.inner.is_open and self.inner.health.frames == 0 < self.inner.health.received_bytes:
+            wait_for_release()
+        self.inner.stop()
+
+
+@mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
+class HandsOverHalfASecondAfterStop(Wrapped):
+    on_frame: OnFrame | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.on_frame = on_frame
+        self.inner.start(on_frame)
+
+    def stop(self) -> None:
+        self.inner.stop()
+        on_frame, self.on_frame = self.on_frame, None
+        if on_frame is not None:
+            threading.Timer(0.5, on_frame, (b"the rest", 0)).start()
+
+
+@mutant("nothing-is-handed-over-after-the-end", "stop returned while on_frame was running")
+class SecondStopReturnsAtOnce(Wrapped):
+    is_stopping = False
+
+    def stop(self) -> None:
+        if self.is_stopping:
+            return
+        self.is_stopping = True
+        try:
+            self.inner.stop()
+        finally:
+            self.is_stopping = False
+
+
+@mutant("nothing-is-handed-over-after-the-end", "close returned while on_frame was running")
+class CloseLeavesItToAStopThatWaits(Wrapped):
+    is_stopping = False
+
+    def stop(self) -> None:
+        self.is_stopping = True
+        try:
+            self.inner.stop()
+        finally:
+            self.is_stopping = False
+
+    def close(self) -> None:
+        if not self.is_stopping:
+            self.inner.close()

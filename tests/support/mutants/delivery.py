@@ -132,3 +132,25 @@ class DatesDataWithAnotherClock(Wrapped):
     @property
     def health(self) -> TransportHealth:
         return evolve(self.inner.health, last_data_ns=SystemClock.monotonic_ns())
+
+
+@mutant("stamps-lie-between-sending-and-arrival", "none was stamped sooner than 0.0")
+class StampsAfterItsWork(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def work(frame: bytes, stamp_ns: int) -> None:
+            SystemClock.sleep(0.03)
+            on_frame(frame, self.context.clock.now_ns())
+
+        self.inner.start(work)
+
+
+@mutant("what-on-frame-raises-is-logged", "was logged 40 times for 40 frames")
+class LogsEachException(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            try:
+                on_frame(frame, stamp_ns)
+            except BaseException as error:
+                self.context.logger.error(repr(error))
+
+        self.inner.start(deliver)

@@ -1,8 +1,14 @@
 """Mutants that do not hand over what was sent."""
 
+from pathlib import Path
+from typing import Any
+
+from attrs import evolve
+
 from rosbase.framing import Frame, FrameEvent, LineFramer
-from rosbase.transport import OnFrame, Transport
-from support.fifo import FifoDevice, make_transport
+from rosbase.testing import TransportCapabilities
+from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext, TransportHealth
+from support.fifo import FifoContract, FifoDevice, FifoPeer, make_transport
 from support.mutants.mutant import Wrapped, mutant
 
 
@@ -58,7 +64,7 @@ class EachReadIsAFrame(LineFramer):
         return [Frame(data.rstrip(b"\n"), stamp_ns)]
 
 
-@mutant("frames-in-one-piece-are-kept-apart", "1 of 20 frames")
+@mutant("frames-in-one-piece-are-kept-apart", "of 200 frames")
 @mutant("a-frame-in-pieces-is-put-together", "instead of")
 class HasNoFramer(Framed):
     framer = EachReadIsAFrame
@@ -164,3 +170,130 @@ class SharesItsSubscriber(Wrapped):
 
     def deliver(self, frame: bytes, stamp_ns: int) -> None:
         self.shared[-1](frame, stamp_ns)
+
+
+class Given(Wrapped):
+    """Gives on_frame something else than bytes and int."""
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.inner.start(lambda frame, stamp_ns: self.give(on_frame, frame, stamp_ns))
+
+    def give(self, on_frame: Any, frame: bytes, stamp_ns: int) -> None:
+        raise NotImplementedError
+
+
+@mutant("frames-arrive-unaltered", "on_frame was given bytearray and int")
+class GivesByteArrays(Given):
+    def give(self, on_frame: Any, frame: bytes, stamp_ns: int) -> None:
+        on_frame(bytearray(frame), stamp_ns)
+
+
+@mutant("frames-arrive-unaltered", "on_frame was given bytes and float")
+class GivesSeconds(Given):
+    def give(self, on_frame: Any, frame: bytes, stamp_ns: int) -> None:
+        on_frame(frame, float(stamp_ns))
+
+
+class DropsABurst(LineFramer):
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        return super().feed(data, stamp_ns)[:20]
+
+
+@mutant("frames-in-one-piece-are-kept-apart", "of 200 frames")
+class DropsWhatIsTooMuchForOneRead(Framed):
+    framer = DropsABurst
+
+
+class CountsEachBadFrameByItself(LineFramer):
+    count = 0
+
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        return [self.named(event) for event in super().feed(data, stamp_ns)]
+
+    def named(self, event: FrameEvent) -> FrameEvent:
+        if isinstance(event, Frame):
+            return event
+        self.count += 1
+        return event._replace(reason=f"{event.reason}-{self.count}")
+
+
+@mutant("bad-frames-are-counted", "a reason for each")
+class HasAReasonForEachBadFrame(Framed):
+    framer = CountsEachBadFrameByItself
+
+
+@mutant("bad-frames-are-counted", "health.frames was")
+class CountsBadFramesAsFrames(Wrapped):
+    @property
+    def health(self) -> TransportHealth:
+        health = self.inner.health
+        return evolve(health, frames=health.frames + sum(health.frame_errors.values()))
+
+
+class TrustsLengths:
+    """Two marks, a length and the payload: what is cut short swallows what comes after it."""
+
+    MARKS = b"\xa5\x5a"
+
+    def __init__(self) -> None:
+        self.begun = b""
+
+    def reset(self) -> None:
+        self.begun = b""
+
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        self.begun += data
+        events: list[FrameEvent] = []
+        while (start := self.begun.find(self.MARKS)) >= 0:
+            end = start + 4 + int.from_bytes(self.begun[start + 2 : start + 4], "big")
+            if len(self.begun) < max(end, start + 4):
+                break
+            events.append(Frame(self.begun[start + 4 : end], stamp_ns))
+            self.begun = self.begun[end:]
+        return events
+
+
+class LengthPeer(FifoPeer):
+    def encode(self, payload: bytes) -> bytes:
+        return TrustsLengths.MARKS + len(payload).to_bytes(2, "big") + payload
+
+
+@mutant("frames-after-junk-are-whole", "came")
+class MergesAfterAFrameThatIsCutShort(FifoContract):
+    capabilities = TransportCapabilities(is_stream=True, can_unplug=True)
+    call_limit_s = end_limit_s = patience_s = 0.6
+    junk = ()
+
+    def payload(self, number: int) -> bytes:
+        # The one that is cut short is longer than those that come after it.
+        return b"%d" % number * (200 if number == 9_000 else 1)
+
+    def make_peer(self) -> SimulatedDevice:
+        return LengthPeer(Path(self._folder.name))
+
+    def make_transport(self, peer: Any, context: TransportContext) -> Transport:
+        return make_transport({"wait": False, **peer.parameters}, context, framer=TrustsLengths())
+
+
+class KeepsWhatWasBegun(LineFramer):
+    def reset(self) -> None:
+        """Keeps it, as for the rest that is to come."""
+
+
+@mutant("a-frame-begun-before-a-stop-is-not-continued", "instead of")
+class ContinuesAfterAStop(Framed):
+    framer = KeepsWhatWasBegun
+
+
+@mutant("a-frame-begun-before-a-stop-is-not-continued", "half a frame was handed over")
+class HandsOverHalfAFrame(Wrapped):
+    on_frame: OnFrame | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.on_frame = on_frame
+        self.inner.start(on_frame)
+
+    def stop(self) -> None:
+        self.inner.stop()
+        if self.on_frame is not None and self.inner.health.frames == 0:
+            self.on_frame(b"half", self.context.clock.now_ns())

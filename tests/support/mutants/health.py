@@ -4,7 +4,7 @@ import threading
 
 from attrs import evolve
 
-from rosbase.transport import TransportHealth, TransportState
+from rosbase.transport import OnFrame, TransportHealth, TransportState
 from support.mutants.mutant import Wrapped, mutant
 
 
@@ -81,3 +81,27 @@ class HealthTakesTheLockOfStop(Reporting):
     def report(self, health: TransportHealth) -> TransportHealth:
         with self.lock:
             return health
+
+
+@mutant("counts-go-on-over-stop-and-close", "frames was 5, received_bytes")
+class CountsSinceTheLastStart(Wrapped):
+    before = TransportHealth()
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.before = self.inner.health
+        self.inner.start(on_frame)
+
+    @property
+    def health(self) -> TransportHealth:
+        health = self.inner.health
+        return evolve(
+            health,
+            frames=health.frames - self.before.frames,
+            received_bytes=health.received_bytes - self.before.received_bytes,
+        )
+
+
+@mutant("health-counts-what-arrives", "received_bytes was")
+class CountsTooManyBytes(Reporting):
+    def report(self, health: TransportHealth) -> TransportHealth:
+        return evolve(health, received_bytes=health.received_bytes * 1_000)

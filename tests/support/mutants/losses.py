@@ -1,12 +1,14 @@
 """Mutants that cannot live without their device."""
 
+import threading
+
 from attrs import evolve
 
 from rosbase.device import Device, DeviceTransport
 from rosbase.errors import DeviceNotFoundError, TransportError
 from rosbase.framing import FrameEvent, LineFramer
 from rosbase.logger import RosbaseLogger
-from rosbase.transport import Transport, TransportHealth, TransportState
+from rosbase.transport import OnFrame, Transport, TransportHealth, TransportState
 from support.fifo import FifoDevice, make_transport
 from support.mutants.mutant import Wrapped, mutant
 
@@ -150,3 +152,62 @@ class LogsEveryTry(Opened):
 class LogsNoLoss(Wrapped):
     def make(self) -> Transport:
         return make_transport(self.values, evolve(self.context, logger=RosbaseLogger("elsewhere")))
+
+
+@mutant("an-absent-device-is-refused-in-one-line", "open() succeeded without a device")
+class OpensTheSecondTime(Wrapped):
+    has_failed = False
+
+    def open(self) -> None:
+        try:
+            self.inner.open()
+        except TransportError:
+            if not self.has_failed:
+                self.has_failed = True
+                raise
+
+
+@mutant("data-flows-again-after-a-loss", "threads called on_frame after losses")
+class HasANewThreadAfterALoss(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            thread = threading.Thread(target=on_frame, args=(frame, stamp_ns))
+            if self.inner.health.reconnects:
+                thread.start()
+                thread.join()
+            else:
+                on_frame(frame, stamp_ns)
+
+        self.inner.start(deliver)
+
+
+@mutant("data-flows-again-after-a-loss", "since the device was back frames came twice")
+class HandsOverTwiceAfterALoss(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        def deliver(frame: bytes, stamp_ns: int) -> None:
+            on_frame(frame, stamp_ns)
+            if self.inner.health.reconnects:
+                on_frame(frame, stamp_ns)
+
+        self.inner.start(deliver)
+
+
+@mutant("reconnects-are-counted", "it was 0 after 3 times and close")
+class CountsReconnectsSinceTheLastClose(Wrapped):
+    before = 0
+
+    def close(self) -> None:
+        self.inner.close()
+        self.before = self.inner.health.reconnects
+
+    @property
+    def health(self) -> TransportHealth:
+        return evolve(self.inner.health, reconnects=self.inner.health.reconnects - self.before)
+
+
+@mutant("an-absent-device-is-refused-in-one-line", "health.last_error has several lines")
+class KeepsSeveralLines(Wrapped):
+    @property
+    def health(self) -> TransportHealth:
+        health = self.inner.health
+        return evolve(health, last_error=f"{health.last_error}\nand more")

@@ -3,7 +3,7 @@
 from rosbase.testing import TransportCapabilities
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext
-from support.fifo import FifoContract
+from support.fifo import FifoContract, FifoDevice, make_transport
 from support.mutants.mutant import Wrapped, mutant
 
 
@@ -87,3 +87,37 @@ class LeavesACallOut(FifoContract):
 class NamesNoTransport(FifoContract):
     transport = ""
     plugin = TransportAuthor.plugin
+
+
+class LeavesReadUnwritten(FifoDevice):
+    def fileno(self) -> int:
+        raise NotImplementedError("give the descriptor")
+
+
+class LeavesDiscardUnwritten(FifoDevice):
+    def discard_input(self) -> None:
+        raise NotImplementedError("forget what came before")
+
+
+class LeavesCloseUnwritten(FifoDevice):
+    def close(self) -> None:
+        super().close()
+        raise NotImplementedError("close the device")
+
+
+@mutant("every-call-is-written", "is not written yet: give the descriptor")
+class HasADeviceWithoutDescriptor(Wrapped):
+    def make(self) -> Transport:
+        return make_transport(self.values, self.context, device=LeavesReadUnwritten)
+
+
+@mutant("every-call-is-written", "start is not written yet: forget what came before")
+class HasADeviceThatForgetsNothing(Wrapped):
+    def make(self) -> Transport:
+        return make_transport(self.values, self.context, device=LeavesDiscardUnwritten)
+
+
+@mutant("every-call-is-written", "is not written yet: close the device")
+class HasADeviceThatDoesNotClose(Wrapped):
+    def make(self) -> Transport:
+        return make_transport(self.values, self.context, device=LeavesCloseUnwritten)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["descriptors", "memory_growth", "threads"]
+__all__ = ["cpu_s", "descriptors", "memory_growth", "threads"]
 
 _LISTINGS = (Path("/proc/self/fd"), Path("/dev/fd"))
 
@@ -15,6 +15,12 @@ _LISTINGS = (Path("/proc/self/fd"), Path("/dev/fd"))
 def threads() -> set[threading.Thread]:
     """Those that run, without the kit's own."""
     return {t for t in threading.enumerate() if not t.name.startswith("rosbase-kit")}
+
+
+def cpu_s() -> float:
+    """How many seconds of a processor this process has used so far."""
+    used = os.times()
+    return used.user + used.system
 
 
 def descriptors() -> int:

@@ -53,11 +53,13 @@ class TransportAuthor:
     """How long what must happen is awaited, such as the arrival of a frame."""
     reconnect_limit_s: ClassVar[float] = 5.0
     """How long it may take until data flows again once the device is back."""
+    stamp_limit_s: ClassVar[float] = 0.015
+    """How long after it was sent a frame may be stamped, if the machine has nothing else to do."""
     memory_limit_bytes: ClassVar[int] = 1_000_000
     """How much memory a transport may use while four times as much arrives."""
     cycles: ClassVar[int] = 10
     """How often what must leak nothing is done."""
-    machine_examples: ClassVar[int] = 30
+    machine_examples: ClassVar[int] = 100
     """How many histories the state machine tries."""
     machine_steps: ClassVar[int] = 15
     """How long each of them is."""

@@ -16,9 +16,10 @@ from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.seen import not_written, raised
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.capabilities import ABILITIES, FullPeer
+from rosbase.testing.transport_kit.flood import Flood
 from rosbase.testing.transport_kit.guarded_peer import GuardedPeer
 from rosbase.testing.transport_kit.guarded_transport import GuardedTransport, Limits
-from rosbase.testing.transport_kit.promises import FACTORY, PEER, PEER_ABILITIES
+from rosbase.testing.transport_kit.promises import CALLS, FACTORY, PEER, PEER_ABILITIES
 from rosbase.transport import SimulatedDevice, Transport, TransportContext, TransportState
 
 __all__ = ["Bench"]
@@ -26,6 +27,7 @@ __all__ = ["Bench"]
 _LOG = "transport_contract"
 _LOOK_S = 0.002
 _PROBE_S = 0.05
+_SILENCE_S = 0.2
 
 
 @frozen
@@ -136,9 +138,17 @@ class Bench:
         """So many usual payloads, each another one."""
         return [self.author.payload(number) for number in range(first, first + count)]
 
+    def arrives(self, subscriber: RecordingSubscriber, count: int) -> bool:
+        """Waits for so many frames in all; tells whether they came in time."""
+        return self._in_time(lambda limit_s: subscriber.wait_for(count, limit_s))
+
+    def frame_arrives(self, subscriber: RecordingSubscriber, frame: bytes) -> bool:
+        """Waits until that very frame has come; tells whether it came in time."""
+        return self._in_time(lambda limit_s: subscriber.wait_for_frame(frame, limit_s))
+
     def wait_for(self, subscriber: RecordingSubscriber, count: int) -> None:
         """Waits for so many frames in all."""
-        if not subscriber.wait_for(count, self.author.patience_s):
+        if not self.arrives(subscriber, count):
             seen = f"{len(subscriber.frames)} of {count} frames had arrived"
             raise self.promise.broken(f"{seen} after {self.author.patience_s:g} s{self._why()}")
 
@@ -148,6 +158,16 @@ class Bench:
             lambda: transport.health.received_bytes >= count,
             f"health.received_bytes to reach {count}",
         )
+
+    def wait_for_silence(self, transport: GuardedTransport) -> None:
+        """Waits until nothing more arrives, of whatever has been sent."""
+        deadline_ns = self.clock.monotonic_ns() + int(self.author.patience_s * 1e9)
+        received = -1
+        while received != transport.health.received_bytes:
+            received = transport.health.received_bytes
+            if self.clock.monotonic_ns() > deadline_ns:
+                return
+            self.clock.sleep(_SILENCE_S)
 
     def require_frames(self, subscriber: RecordingSubscriber, sent: list[bytes]) -> None:
         """Fails, unless exactly these have arrived."""
@@ -177,6 +197,7 @@ class Bench:
             in_time = self.clock.monotonic_ns() < deadline_ns
             if not in_time:
                 raise self.promise.broken(f"waited {limit_s:g} s in vain for {what}{self._why()}")
+            self.require_written()
             self.clock.sleep(_LOOK_S)
 
     def wait_for_loss(self, transport: GuardedTransport) -> None:
@@ -191,16 +212,34 @@ class Bench:
         probe, last = self.probes
         limit_s = self.author.reconnect_limit_s
         deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
+        probes = 0
         while not subscriber.wait_for_frame(probe, _PROBE_S):
             in_time = self.clock.monotonic_ns() < deadline_ns
             self.require(in_time, f"no data {limit_s:g} s after the device was back")
+            self.require_written()
             peer.send(probe)
+            probes += 1
         peer.send(last)
-        arrived = subscriber.wait_for_frame(last, self.author.patience_s)
+        arrived = self.frame_arrives(subscriber, last)
         self.require(arrived, "after the first frame since the device was back no other arrived")
         came = subscriber.frames
+        is_so = came.count(last) == 1 and came.count(probe) <= probes
+        self.require(is_so, "since the device was back frames came twice")
         subscriber.clear()
         return came
+
+    def flood(self, peer: GuardedPeer, payloads: list[bytes]) -> Flood:
+        """Has the peer send as fast as it can, until the flood is ended."""
+        # What goes wrong with sending is seen here, and not on another thread.
+        peer.send(payloads[0])
+        return Flood(peer.made.send, payloads)
+
+    def require_written(self) -> None:
+        """Fails, if something has been logged that only says that it is not written yet."""
+        for record in self.log.records:
+            error = record.exc_info[1] if record.exc_info else None
+            if isinstance(error, NotImplementedError):
+                raise CALLS.broken(not_written("what the thread of the transport calls", error))
 
     def close(self) -> None:
         """Ends what the check has made."""
@@ -214,6 +253,15 @@ class Bench:
         for transport in self._transports:
             transport.release()
         self.log.close()
+
+    def _in_time(self, arrives: Callable[[float], bool]) -> bool:
+        """Waits in small steps, because what is not written yet never comes."""
+        deadline_ns = self.clock.monotonic_ns() + int(self.author.patience_s * 1e9)
+        while not arrives(_PROBE_S):
+            self.require_written()
+            if self.clock.monotonic_ns() > deadline_ns:
+                return False
+        return True
 
     def _why(self) -> str:
         """What the transports say themselves about what went wrong."""

@@ -4,7 +4,6 @@ from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
-from rosbase.testing.transport_kit.flood import Flood
 
 __all__ = ["BoundChecks"]
 
@@ -19,6 +18,19 @@ class BoundChecks(TransportAuthor):
         transport.stop()
         transport.start(RecordingSubscriber())
         transport.close()
+
+    @check("is_stream")
+    def test_calls_are_bounded_within_a_frame(self, bench: Bench) -> None:
+        """stop and close return in time although the rest of a frame has yet to come."""
+        peer, transport, _ = bench.reading()
+        encoded = peer.encode(self.payload(0))
+        half = encoded[: len(encoded) // 2]
+        for ending in ("stop", "close"):
+            transport.start(RecordingSubscriber())
+            before = transport.health.received_bytes
+            peer.send_raw(half)
+            bench.wait_for_bytes(transport, before + len(half))
+            getattr(transport, ending)()
 
     @check("can_be_absent")
     def test_calls_are_bounded_while_the_device_is_absent(self, bench: Bench) -> None:
@@ -60,7 +72,7 @@ class BoundChecks(TransportAuthor):
         """stop and close return in time although the device sends as fast as it can."""
         for ending in ("stop", "close"):
             peer, transport, subscriber = bench.reading()
-            flood = Flood(peer.made.send, bench.payloads(100))
+            flood = bench.flood(peer, bench.payloads(100))
             bench.wait_for(subscriber, 100)
             getattr(transport, ending)()
             flood.end()

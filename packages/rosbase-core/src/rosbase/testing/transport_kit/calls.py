@@ -10,6 +10,7 @@ from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.resources import descriptors, threads
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
+from rosbase.testing.transport_kit.capabilities import ABILITIES
 from rosbase.testing.transport_kit.check import check
 from rosbase.transport import Transport, TransportState
 
@@ -19,6 +20,7 @@ _CALLERS = 4
 _CALLS = 25
 # What must not happen is given so long to happen.
 _AGAIN_S = 0.1
+_LATE_S = 0.6
 
 
 class CallChecks(TransportAuthor):
@@ -59,21 +61,39 @@ class CallChecks(TransportAuthor):
         )
 
     @check()
+    def test_what_the_peer_can_do_is_declared(self, bench: Bench) -> None:
+        """A peer that can send bytes as they are, or be unplugged, is declared to."""
+        peer = bench.peer().made
+        for capability in ("is_stream", "can_unplug"):
+            abilities = ABILITIES[capability]
+            can = all(callable(getattr(peer, name, None)) for name in abilities)
+            bench.require(
+                getattr(self.capabilities, capability) or not can,
+                f"the peer has {'() and '.join(abilities)}(), "
+                f"and TransportCapabilities({capability}=True) is not declared",
+            )
+
+    @check()
     def test_each_call_may_be_made_twice(self, bench: Bench) -> None:
         """Each of the four calls may be made twice; the second does nothing."""
         peer = bench.peer()
         transport, subscriber = bench.transport(peer), RecordingSubscriber()
+        other = RecordingSubscriber()
         transport.open()
         transport.open()
         transport.start(subscriber)
-        transport.start(subscriber)
+        transport.start(other)
         sent = bench.payloads(40)
         peer.send(*sent[:20])
-        bench.wait_for(subscriber, 20)
+        if not bench.arrives(subscriber, 20):
+            counts = f"{len(subscriber.frames)} and {len(other.frames)} of 20 frames"
+            raise bench.promise.broken(f"after two starts the two on_frame got {counts}")
         for count, payload in enumerate(sent[20:], start=21):
             # One by one, for of two threads that wait either may be the first to wake.
             peer.send(payload)
             bench.wait_for(subscriber, count)
+        more = len(other.frames)
+        bench.require(not more, f"after two starts the second on_frame got {more} frames")
         bench.require(subscriber.frames == sent, "after two starts frames came twice or disordered")
         readers = {received.thread for received in subscriber.received}
         bench.require(len(readers) == 1, f"after two starts {len(readers)} threads hand over")
@@ -166,13 +186,19 @@ class CallChecks(TransportAuthor):
             peer = bench.peer()
             transport = bench.transport(peer)
             with bench.hanging(peer, transport) as hung:
-                call = bench.in_background(getattr(transport.made, ending))
-                call.join(_AGAIN_S)
-                bench.require(call.is_alive(), f"{ending} returned while on_frame was running")
-            call.join(self.call_limit_s)
-            bench.require(not call.is_alive(), f"{ending} did not return after on_frame had")
+                # One that comes while another one waits has to wait too.
+                names = (ending, "stop", "close")
+                calls = [bench.in_background(getattr(transport.made, name)) for name in names]
+                calls[0].join(_AGAIN_S)
+                for name, call in zip(names, calls, strict=True):
+                    bench.require(call.is_alive(), f"{name} returned while on_frame was running")
+            for name, call in zip(names, calls, strict=True):
+                call.join(self.call_limit_s)
+                bench.require(not call.is_alive(), f"{name} did not return after on_frame had")
             peer.send(*bench.payloads(5))
             bench.prove(peer, transport)
+            transport.stop()
+            bench.clock.sleep(_LATE_S)
             more = len(hung.frames) - 1
             bench.require(not more, f"{more} frames came after {ending} had returned")
 

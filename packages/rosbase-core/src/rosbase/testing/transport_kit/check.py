@@ -5,6 +5,7 @@ from typing import Any, TypeVar
 
 import pytest
 
+from rosbase.testing.promise import BrokenPromiseError
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.promised import promise_of
@@ -34,8 +35,14 @@ def check(
             bench = Bench(self, promise)
             try:
                 method(self, bench)
+            except BrokenPromiseError:
+                # Whatever was seen, it comes of what is not written yet.
+                bench.require_written()
+                raise
             finally:
                 bench.close()
+            # Only now: it may be the closing that is not written.
+            bench.require_written()
 
         run.__name__, run.__qualname__ = method.__name__, method.__qualname__
         run.__doc__, run.__module__ = method.__doc__, method.__module__

@@ -13,7 +13,7 @@ from rosbase.transport import TransportState
 
 __all__ = ["DeliveryChecks"]
 
-_MANY = 100
+_SOME, _MANY = 40, 100
 
 
 class DeliveryChecks(TransportAuthor):
@@ -41,20 +41,23 @@ class DeliveryChecks(TransportAuthor):
             peer, _, subscriber = _raising(bench, error)
             sent = bench.payloads(20)
             peer.send(*sent)
-            if not subscriber.wait_for(len(sent), self.patience_s):
+            if not bench.arrives(subscriber, len(sent)):
                 came = len(subscriber.frames)
                 raise bench.promise.broken(f"{came} of {len(sent)} frames came after {error!r}")
 
     @check()
     def test_what_on_frame_raises_is_logged(self, bench: Bench) -> None:
-        """What on_frame raises is logged as an error."""
+        """What on_frame raises is logged as an error, at a limited rate."""
         for error in (ValueError("no good"), SystemExit(3)):
             peer, transport, subscriber = _raising(bench, error)
-            peer.send(*bench.payloads(1))
-            bench.wait_for(subscriber, 1)
+            peer.send(*bench.payloads(_SOME))
+            bench.wait_for(subscriber, _SOME)
             # What has been handed over has been logged once the thread has ended.
             transport.stop()
             bench.require(bench.log.tells_of(error), f"{error!r} was not logged as an error")
+            lines = sum(repr(error) in line for line in bench.log.lines)
+            seen = f"{error!r} was logged {lines} times for {_SOME} frames"
+            bench.require(lines <= _SOME // 4, seen)
 
     @check()
     def test_a_reader_that_dies_is_noticed(self, bench: Bench) -> None:
@@ -80,6 +83,7 @@ class DeliveryChecks(TransportAuthor):
     def test_stamps_lie_between_sending_and_arrival(self, bench: Bench) -> None:
         """A frame is stamped when its first bytes were read: not before it was sent, nor later."""
         peer, _, subscriber = bench.reading()
+        delays_ns = []
         for payload in bench.payloads(20):
             subscriber.clear()
             sent_ns = bench.clock.now_ns()
@@ -90,6 +94,11 @@ class DeliveryChecks(TransportAuthor):
             bench.require(early_ns <= 0, f"stamped {early_ns / 1e6:.3f} ms before it was sent")
             late_ns = received.stamp_ns - received.arrived_ns
             bench.require(late_ns <= 0, f"stamped {late_ns / 1e6:.3f} ms after it was handed over")
+            delays_ns.append(-early_ns)
+        # One may be late, on a machine that is busy; not all of them.
+        shortest_s = min(delays_ns) / 1e9
+        seen = f"of 20 frames none was stamped sooner than {shortest_s:.4f} s after it was sent"
+        bench.require(shortest_s < self.stamp_limit_s, seen)
 
     @check("is_stream")
     def test_the_stamp_is_that_of_the_first_bytes(self, bench: Bench) -> None:

@@ -20,6 +20,8 @@ class Flood:
         """Begins."""
         self.sent_bytes = 0
         """How much the link has taken so far."""
+        self.failure: Exception | None = None
+        """Why it could not send, if that is the author's."""
         self._send = send
         self._payloads = payloads
         self._ends = threading.Event()
@@ -50,5 +52,9 @@ class Flood:
                 # A copy: over a link in this process, one object that piles up costs nothing.
                 self._send(bytes(bytearray(payload)))
             except TransportError:
+                return
+            except Exception as error:
+                # The boundary to the author's code, on a thread that nobody sees.
+                self.failure = error
                 return
             self.sent_bytes += len(payload)

@@ -9,7 +9,9 @@ __all__ = ["FrameChecks"]
 
 _BATCH = 20
 _BATCHES = 10
+_MANY = 200
 _STARTS = 10
+_TIMES = 3
 
 
 class FrameChecks(TransportAuthor):
@@ -17,13 +19,17 @@ class FrameChecks(TransportAuthor):
 
     @check()
     def test_frames_arrive_unaltered(self, bench: Bench) -> None:
-        """A payload arrives as one frame, byte for byte."""
+        """A payload arrives as one frame, byte for byte: as bytes, with a stamp that is an int."""
         peer, _, subscriber = bench.reading()
         for payload in self.payloads:
             subscriber.clear()
             peer.send(payload)
             bench.wait_for(subscriber, 1)
             bench.require_frames(subscriber, [payload])
+            ((frame, stamp_ns, *_),) = subscriber.received
+            kinds = (type(frame), type(stamp_ns))
+            seen = f"on_frame was given {kinds[0].__name__} and {kinds[1].__name__}"
+            bench.require(kinds == (bytes, int), f"{seen}, not bytes and int")
 
     @check()
     def test_frames_arrive_in_order(self, bench: Bench) -> None:
@@ -41,7 +47,7 @@ class FrameChecks(TransportAuthor):
     def test_frames_in_one_piece_are_kept_apart(self, bench: Bench) -> None:
         """Frames that arrive in one piece are handed over one by one."""
         peer, _, subscriber = bench.reading()
-        sent = bench.payloads(_BATCH)
+        sent = bench.payloads(_MANY)
         peer.send_raw(b"".join(peer.encode(payload) for payload in sent))
         bench.wait_for(subscriber, len(sent))
         bench.require_frames(subscriber, sent)
@@ -63,13 +69,14 @@ class FrameChecks(TransportAuthor):
     def test_frames_after_junk_are_whole(self, bench: Bench) -> None:
         """After junk, few frames are lost or spoiled; the next ones are whole, none merged."""
         peer, _, subscriber = bench.reading()
-        for junk in self.junk:
+        begun = peer.encode(self.payload(9_000))
+        for junk in (*self.junk, begun[: len(begun) // 2]):
             subscriber.clear()
             spoiled = bench.payloads(self.capabilities.frames_lost_after_junk)
             whole = bench.payloads(5, first=len(spoiled))
             peer.send_raw(junk)
             peer.send(*spoiled, *whole)
-            arrived = subscriber.wait_for_frame(whole[-1], self.patience_s)
+            arrived = bench.frame_arrives(subscriber, whole[-1])
             bench.require(arrived, f"the frame {_shown(whole[-1])} after junk never came")
             last = subscriber.frames[-len(whole) :]
             seen = f"after {_shown(junk)} came {', '.join(map(_shown, last))}"
@@ -89,18 +96,39 @@ class FrameChecks(TransportAuthor):
             bench.wait_for(subscriber, 2)
             bench.require_frames(subscriber, [first, second])
 
+    @check("is_stream")
+    def test_a_frame_begun_before_a_stop_is_not_continued(self, bench: Bench) -> None:
+        """What was begun before stop is not handed over, nor continued after the next start."""
+        peer, transport, subscriber = bench.reading()
+        begun, whole = bench.payloads(2)
+        half = peer.encode(begun)[: len(peer.encode(begun)) // 2]
+        peer.send_raw(half)
+        bench.wait_for_bytes(transport, len(half))
+        transport.stop()
+        after = RecordingSubscriber()
+        transport.start(after)
+        peer.send(whole)
+        bench.wait_for(after, 1)
+        bench.require_frames(after, [whole])
+        came = subscriber.frames
+        bench.require(not came, f"half a frame was handed over: {', '.join(map(_shown, came))}")
+
     @check("bad_frames")
     def test_bad_frames_are_counted(self, bench: Bench) -> None:
-        """What cannot be a frame is counted in health.frame_errors, by a reason of one word."""
+        """What cannot be a frame is counted in health.frame_errors, by a few reasons of a word."""
         peer, transport, subscriber = bench.reading()
-        for count, bad in enumerate(self.capabilities.bad_frames, start=1):
+        kinds = self.capabilities.bad_frames
+        for count, bad in enumerate(kinds * _TIMES, start=1):
             peer.send_raw(bad)
             peer.send(*bench.payloads(1))
-            subscriber.wait_for(count, self.patience_s)
-            errors = dict(transport.health.frame_errors)
+            bench.arrives(subscriber, count)
+            health = transport.health
+            errors = dict(health.frame_errors)
             seen = f"after {count} bad frames, health.frame_errors was {errors}"
             bench.require(sum(errors.values()) == count, seen)
             bench.require(all(len(reason.split()) == 1 for reason in errors), seen)
+            bench.require(len(errors) <= len(kinds), f"{seen}: a reason for each")
+            bench.require(health.frames == count, f"health.frames was {health.frames}, not {count}")
 
     @check()
     def test_what_came_before_start_is_discarded(self, bench: Bench) -> None:
@@ -114,7 +142,7 @@ class FrameChecks(TransportAuthor):
             subscriber = RecordingSubscriber()
             transport.start(subscriber)
             peer.send(*fresh)
-            arrived = subscriber.wait_for_frame(fresh[-1], self.patience_s)
+            arrived = bench.frame_arrives(subscriber, fresh[-1])
             bench.require(arrived, "what was sent after start did not arrive")
             old = [frame for frame in subscriber.frames if frame in stale]
             bench.require(not old, f"{len(old)} frames arrived that were sent before start")

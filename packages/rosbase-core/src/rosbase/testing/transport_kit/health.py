@@ -8,6 +8,9 @@ from rosbase.transport import TransportState
 
 __all__ = ["HealthChecks"]
 
+# What there may be of a frame beside its payload.
+_MOST_AROUND = 1_000
+
 
 class HealthChecks(TransportAuthor):
     """What is promised about what can be seen of a transport."""
@@ -49,11 +52,31 @@ class HealthChecks(TransportAuthor):
         bench.wait_for(subscriber, len(sent))
         health = transport.health
         bench.require(health.frames == len(sent), f"frames was {health.frames}, not {len(sent)}")
-        least = sum(map(len, sent))
+        least, most = sum(map(len, sent)), sum(len(payload) + _MOST_AROUND for payload in sent)
         seen = f"received_bytes was {health.received_bytes} after {least} bytes of payload"
-        bench.require(health.received_bytes >= least, seen)
+        bench.require(least <= health.received_bytes <= most, seen)
         bench.require(not health.frame_errors, f"frame_errors was {dict(health.frame_errors)}")
         bench.require(not health.last_error, f"last_error was {health.last_error!r}")
+
+    @check()
+    def test_counts_go_on_over_stop_and_close(self, bench: Bench) -> None:
+        """What health counts, it has counted since the transport was made."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        sent = bench.payloads(15)
+        for count, ending in ((5, transport.stop), (10, transport.close), (15, transport.stop)):
+            subscriber = RecordingSubscriber()
+            transport.start(subscriber)
+            peer.send(*sent[count - 5 : count])
+            bench.wait_for(subscriber, 5)
+            ending()
+            health = transport.health
+            least = sum(map(len, sent[:count]))
+            is_so = health.frames == count and health.received_bytes >= least
+            seen = f"frames was {health.frames}, received_bytes {health.received_bytes}"
+            bench.require(
+                is_so, f"{seen}, after {count} frames and {least} bytes of payload in all"
+            )
 
     @check()
     def test_only_data_proves_that_a_device_is_alive(self, bench: Bench) -> None:

@@ -1,5 +1,7 @@
 """A device that is absent, or lost, and comes back."""
 
+import threading
+
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
@@ -22,7 +24,8 @@ class LossChecks(TransportAuthor):
         peer = bench.peer()
         transport = bench.transport(peer)
         bench.take_away(peer)
-        for name, arguments in (("open", ()), ("start", (RecordingSubscriber(),))):
+        # open twice: one that has failed is not half open.
+        for name, arguments in (("open", ()), ("open", ()), ("start", (RecordingSubscriber(),))):
             error = transport.refusal(name, *arguments)
             if error is None:
                 raise bench.promise.broken(f"{name}() succeeded without a device")
@@ -31,6 +34,8 @@ class LossChecks(TransportAuthor):
             names = [str(value) for value in peer.parameters.values()]
             named = any(value in text for value in names if len(value) > 1)
             bench.require(named, f"{name}() raised {text!r}, which names none of {names}")
+            last = transport.health.last_error
+            bench.require("\n" not in last, f"health.last_error has several lines: {last!r}")
         bench.require(not transport.is_open, "is_open was true without a device")
         state = transport.state
         bench.require(state is TransportState.CLOSED, f"health.state was {state.name}, not CLOSED")
@@ -77,13 +82,18 @@ class LossChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_data_flows_again_after_a_loss(self, bench: Bench) -> None:
-        """When the device is back, data flows again by itself, within a bound."""
-        peer, transport, subscriber = bench.reading()
+        """When the device is back, data flows again by itself, on the same thread, in time."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+        readers: set[threading.Thread] = set()
+        subscriber = RecordingSubscriber(then=lambda *_: readers.add(threading.current_thread()))
+        transport.start(subscriber)
         for _ in range(_LOSSES):
             peer.unplug()
             bench.wait_for_loss(transport)
             peer.replug()
             bench.wait_for_return(peer, subscriber)
+        bench.require(len(readers) == 1, f"{len(readers)} threads called on_frame after losses")
         state = transport.state
         seen = f"health.state was {state.name} although data flows"
         bench.require(state is TransportState.CONNECTED, seen)
@@ -99,8 +109,9 @@ class LossChecks(TransportAuthor):
             bench.wait_for_loss(transport)
             peer.replug()
             bench.wait_for_return(peer, subscriber)
+        transport.close()
         counted = transport.health.reconnects
-        bench.require(counted == _LOSSES, f"it was {counted} after {_LOSSES} times")
+        bench.require(counted == _LOSSES, f"it was {counted} after {_LOSSES} times and close")
 
     @check("is_stream", "can_unplug")
     def test_a_frame_begun_before_a_loss_is_not_continued(self, bench: Bench) -> None:

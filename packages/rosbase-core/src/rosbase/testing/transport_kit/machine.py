@@ -3,7 +3,14 @@
 from collections.abc import Callable
 
 from hypothesis import HealthCheck, Phase, settings
-from hypothesis.stateful import RuleBasedStateMachine, precondition, rule, run_state_machine_as_test
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 
 from rosbase.testing.promise import BrokenPromiseError
 from rosbase.testing.recording import RecordingSubscriber
@@ -47,6 +54,20 @@ class HistoryChecks(TransportAuthor):
             raise failures[0]
 
 
+# What chance alone would lead to too seldom, and what often goes wrong after it.
+_BEGINNINGS = (
+    "",
+    "start",
+    "start start",
+    "open stop",
+    "start junk stop",
+    "start half stop",
+    "start half close",
+    "start unplug close replug",
+    "start unplug stop",
+)
+
+
 class _Machine(RuleBasedStateMachine):
     """A transport beside the few words that describe where it should be."""
 
@@ -66,6 +87,15 @@ class _Machine(RuleBasedStateMachine):
         # A loss is noticed while it reads; before that, it may hold a device that is gone.
         self.is_in_doubt = False
         self.is_spoiled = False
+
+    @initialize(beginning=st.sampled_from(_BEGINNINGS))
+    def begin(self, beginning: str) -> None:
+        """Some way in, as far as it goes with what can be done."""
+        able = {"junk": self.can.is_stream, "half": self.can.is_stream}
+        able |= {"unplug": self.can.can_unplug, "replug": self.can.can_unplug}
+        for name in beginning.split():
+            if able.get(name, True):
+                self._take(getattr(self, f"_{name}"))
 
     @rule()
     def open(self) -> None:
@@ -98,6 +128,12 @@ class _Machine(RuleBasedStateMachine):
     def junk(self) -> None:
         """The line is disturbed."""
         self._take(self._junk)
+
+    @precondition(lambda self: self.is_plugged and self.is_started and self.can.is_stream)
+    @rule()
+    def half(self) -> None:
+        """A frame is begun."""
+        self._take(self._half)
 
     @precondition(lambda self: self.is_plugged and self.can.can_unplug)
     @rule()
@@ -173,7 +209,7 @@ class _Machine(RuleBasedStateMachine):
             self._peer.send(*[self._next() for _ in range(self.can.frames_lost_after_junk)])
         payload = self._next()
         self._peer.send(payload)
-        arrived = self._subscriber.wait_for_frame(payload, self._bench.author.patience_s)
+        arrived = self._bench.frame_arrives(self._subscriber, payload)
         self._bench.require(arrived, f"{payload!r} did not arrive")
         if not self.is_spoiled:
             self._bench.require_frames(self._subscriber, [payload])
@@ -183,6 +219,11 @@ class _Machine(RuleBasedStateMachine):
     def _junk(self) -> None:
         junk = self._bench.author.junk
         self._peer.send_raw(junk[len(self._history) % len(junk)])
+        self.is_spoiled = True
+
+    def _half(self) -> None:
+        encoded = self._peer.encode(self._next())
+        self._peer.send_raw(encoded[: len(encoded) // 2])
         self.is_spoiled = True
 
     def _unplug(self) -> None:

@@ -1,7 +1,9 @@
 """What a transport takes, it gives back, and it never takes more and more."""
 
+from collections.abc import Callable
+
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.resources import descriptors, memory_growth, threads
+from rosbase.testing.resources import cpu_s, descriptors, memory_growth, threads
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
@@ -10,6 +12,8 @@ from rosbase.testing.transport_kit.flood import Flood
 __all__ = ["ResourceChecks"]
 
 _TIMES_THE_LIMIT = 4
+_IDLE_S = 0.4
+_AGAIN_S = 0.3
 
 
 class ResourceChecks(TransportAuthor):
@@ -17,31 +21,34 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_close_ends_its_threads(self, bench: Bench) -> None:
-        """Once close has returned, the transport's threads have ended, also after many cycles."""
-        peer = bench.peer()
-        transport = bench.transport(peer)
-        self._cycle(bench)
-        before = threads()
-        for _ in range(self.cycles):
-            bench.prove(peer, transport)
-            transport.close()
-        bench.wait_until(lambda: not threads() - before, "the end of threads after close")
+        """Once close has returned, the transport's threads have ended, whatever went before."""
+        for name, live in self._lives(bench).items():
+            live()
+            # Counted, because a peer that comes back may have threads of its own.
+            before = len(threads())
+            for _ in range(self._times):
+                live()
+            bench.wait_until(
+                # mypy does not infer what a default of a lambda is.
+                lambda before=before: len(threads()) <= before,  # type: ignore[misc]
+                f"the end of threads after close; it was {name}",
+                self.end_limit_s,
+            )
 
     @check()
     def test_close_gives_descriptors_back(self, bench: Bench) -> None:
-        """Once close has returned, no descriptor of the transport's is open."""
-        peer = bench.peer()
-        transport = bench.transport(peer)
-        bench.prove(peer, transport)
-        transport.close()
-        before = descriptors()
-        for _ in range(self.cycles):
-            bench.prove(peer, transport)
-            transport.close()
-        bench.wait_until(
-            lambda: descriptors() <= before,
-            f"descriptors after {self.cycles} times open and close to be {before}, as after one",
-        )
+        """Once close has returned, no descriptor of the transport's is open, likewise."""
+        for name, live in self._lives(bench).items():
+            live()
+            before = descriptors()
+            for _ in range(self._times):
+                live()
+            bench.wait_until(
+                lambda before=before: descriptors() <= before,  # type: ignore[misc]  # as above
+                f"descriptors after {self._times} times to be {before}, as after one; "
+                f"it was {name}",
+                self.end_limit_s,
+            )
 
     @check()
     def test_close_gives_the_device_back(self, bench: Bench) -> None:
@@ -128,9 +135,87 @@ class ResourceChecks(TransportAuthor):
         seen = f"{grown} bytes more after {flood.sent_bytes} bytes that on_frame did not take"
         bench.require(grown < self.memory_limit_bytes, seen)
 
-    def _cycle(self, bench: Bench) -> None:
-        """One of whatever is made once and kept, such as a thread of a library's."""
+    @check()
+    def test_memory_is_bounded_while_it_reads(self, bench: Bench) -> None:
+        """What has been handed over, or counted as an error, is not kept."""
         peer = bench.peer()
         transport = bench.transport(peer)
-        transport.start(RecordingSubscriber())
-        transport.close()
+        transport.start(lambda frame, stamp_ns: None)
+        longest = max((*self.payloads, self.payload(0)), key=len)
+        floods: list[tuple[Callable[[bytes], object], list[bytes]]] = [(peer.made.send, [longest])]
+        if self.capabilities.bad_frames:
+            floods.append((peer.made.send_raw, list(self.capabilities.bad_frames)))
+        for send, payloads in floods:
+            with memory_growth() as growth:
+                flood = Flood(send, payloads)
+                flood.wait_for(self.memory_limit_bytes * _TIMES_THE_LIMIT, self.patience_s)
+                flood.end()
+                bench.wait_for_silence(transport)
+                grown = growth()
+            seen = f"{grown} bytes more after {flood.sent_bytes} bytes that were read"
+            bench.require(grown < self.memory_limit_bytes, seen)
+
+    @check()
+    def test_waiting_costs_no_processor(self, bench: Bench) -> None:
+        """While nothing arrives, or the device is away, it waits and does not turn in a circle."""
+        peer, transport, _ = bench.reading()
+        self._require_idle(bench, "nothing arrived")
+        if self.capabilities.can_unplug:
+            peer.unplug()
+            bench.wait_for_loss(transport)
+            self._require_idle(bench, "the device was away")
+
+    @property
+    def _times(self) -> int:
+        """How often each life is lived: some of them take a while."""
+        return max(2, self.cycles // 3)
+
+    def _require_idle(self, bench: Bench, while_what: str) -> None:
+        before_s = cpu_s()
+        bench.clock.sleep(_IDLE_S)
+        used_s = cpu_s() - before_s
+        seen = f"{used_s:.2f} s of the processor in {_IDLE_S:g} s while {while_what}"
+        bench.require(used_s < _IDLE_S / 2, seen)
+
+    def _lives(self, bench: Bench) -> dict[str, Callable[[], None]]:
+        """Whole lives of a transport, from the first call to close, by what it was doing."""
+        peer = bench.peer()
+        transport = bench.transport(peer)
+
+        def read(*endings: Callable[[], None]) -> Callable[[], None]:
+            def live() -> None:
+                for end in endings:
+                    bench.prove(peer, transport)
+                    end()
+
+            return live
+
+        def only_open() -> None:
+            transport.open()
+            transport.close()
+
+        def close_from_within() -> None:
+            subscriber = RecordingSubscriber(then=lambda *_: transport.made.close())
+            transport.start(subscriber)
+            peer.send(*bench.payloads(2))
+            bench.wait_for(subscriber, 1)
+            transport.close()
+
+        def close_without_device() -> None:
+            bench.prove(peer, transport)
+            peer.unplug()
+            bench.wait_for_loss(transport)
+            transport.close()
+            peer.replug()
+            # Whoever has gone on waiting for it takes it now.
+            bench.clock.sleep(_AGAIN_S)
+
+        lives = {
+            "reading": read(transport.close),
+            "stopped": read(transport.stop, transport.stop, transport.close),
+            "open, and not started": only_open,
+            "closed from within on_frame": close_from_within,
+        }
+        if self.capabilities.can_unplug:
+            lives["without its device"] = close_without_device
+        return lives
