@@ -9,10 +9,11 @@ from rosbase.plugins import installed_plugins
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from generators import capabilities, docstrings, lifecycle, names
+from generators import capabilities, conformance, docstrings, lifecycle, names
 
 project = "rosbase"
 author = "The rosbase authors"
+project_copyright = author
 html_title = "rosbase"
 html_theme = "furo"
 html_copy_source = False
@@ -27,7 +28,7 @@ myst_heading_anchors = 3
 
 # Docstrings: Google style; what stands in single backticks is code.
 default_role = "code"
-autodoc_default_options = {"members": True}
+autodoc_default_options = {"members": True, "undoc-members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autoclass_content = "both"
@@ -38,6 +39,7 @@ python_use_unqualified_type_names = True
 nitpicky = True
 nitpick_ignore_regex = [
     (r"py:.*", r"(_thread|abc|argparse|collections|enum|logging|pathlib|random|threading)\..*"),
+    (r"py:class", r"hypothesis\..*"),
     # What only rosbase itself makes.
     (r"py:class", r"rosbase\.(local|plugins\.discovery|plugins\.switches|processes\.launch)\..*"),
     # Types that stand for any.
@@ -46,6 +48,7 @@ nitpick_ignore_regex = [
 
 GENERATED = {
     "capabilities": lambda: capabilities.tables(installed_plugins()),
+    "conformance": conformance.tables,
     "lifecycle diagram": lifecycle.diagram,
     "lifecycle table": lifecycle.table,
 }
@@ -60,5 +63,6 @@ def setup(app: Any) -> None:
     """Called by Sphinx."""
     app.connect("source-read", fill_in)
     app.connect("missing-reference", names.find_public)
+    app.connect("env-check-consistency", names.complain_of_missing)
     # Before napoleon, which reads what is left.
     app.connect("autodoc-process-docstring", docstrings.prepare, priority=400)

@@ -33,7 +33,7 @@ def _kind(registry: PluginRegistry, kind: type[Descriptor]) -> str:
     declared = [field.name for field in fields(kind) if field.name not in LEFT_OUT]
     head = [kind.kind, *(f"`{name}`" for name in declared), "wheel"]
     if kind is TransportPlugin:
-        head += ["which device", "waits for it with"]
+        head.append("which device")
     rows = []
     for record in registry.plugins:
         for found in record.descriptors:
@@ -46,9 +46,7 @@ def _kind(registry: PluginRegistry, kind: type[Descriptor]) -> str:
 def _device(found: Descriptor) -> list[str]:
     if not isinstance(found, TransportPlugin):
         return []
-    names = [spec.name for spec in found.parameters]
-    waits = [name for name in names if name.startswith("wait_for_")]
-    return [_shown(next(iter(group), "")) for group in (names, waits)]
+    return [_shown(next((spec.name for spec in found.parameters), ""))]
 
 
 def _parameters(transport: TransportPlugin) -> str:

@@ -1,8 +1,13 @@
 """Where a name of the API is documented: at the package that it is imported from."""
 
+from collections.abc import Iterator
+from enum import Enum
+from importlib import import_module
 from typing import Any
 
-__all__ = ["find_public"]
+from sphinx.util.logging import getLogger
+
+__all__ = ["complain_of_missing", "find_public"]
 
 
 def find_public(app: Any, env: Any, reference: Any, shown: Any) -> Any:
@@ -20,6 +25,28 @@ def find_public(app: Any, env: Any, reference: Any, shown: Any) -> Any:
                 env, reference.get("refdoc", page), app.builder, kind, candidate, reference, shown
             )
     return None
+
+
+def complain_of_missing(app: Any, env: Any) -> None:
+    """Warns of each public name that no page shows, which ends the build.
+
+    Sphinx calls it when all pages have been read.
+    """
+    domain = env.get_domain("py")
+    for module in sorted(domain.modules):
+        for name in _public(module):
+            if name not in domain.objects:
+                getLogger(__name__).warning(f"the API does not show {name}")
+
+
+def _public(module: str) -> Iterator[str]:
+    """The names that a module offers, and the members of enumerations."""
+    loaded = import_module(module)
+    for name in getattr(loaded, "__all__", ()):
+        yield f"{module}.{name}"
+        found = getattr(loaded, name)
+        if isinstance(found, type) and issubclass(found, Enum):
+            yield from (f"{module}.{name}.{member.name}" for member in found)
 
 
 def _shorter(target: str) -> list[str]:

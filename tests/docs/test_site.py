@@ -8,9 +8,10 @@ from xml.etree import ElementTree
 import pytest
 
 import rosbase
-from generators import capabilities, docstrings, lifecycle
+from generators import capabilities, conformance, docstrings, lifecycle
 from rosbase.lifecycle import TRANSITIONS, State
 from rosbase.plugins import PresetPlugin, installed_plugins
+from rosbase.testing import TransportCapabilities
 from support.code_blocks import PAGES, ROOT
 
 DOCS = ROOT / "docs"
@@ -56,15 +57,30 @@ def test_every_installed_plugin_is_among_the_capabilities(kind: str) -> None:
 
 
 def test_a_transports_capabilities_are_what_it_declares() -> None:
-    columns = ["which device", "waits for it with"]
     head, row = (
         [cell.strip() for cell in line.strip("|").split("|")]
         for line in TABLES.split("## Transports\n")[1].split("\n## ")[0].splitlines()
         if line.startswith(("| transport |", "| `serial` |"))
     )
     shown = dict(zip(head, row, strict=True))
-    assert [shown[column] for column in columns] == ["`device_path`", "`wait_for_device`"]
+    assert shown["which device"] == "`device_path`"
     assert (shown["`simulate`"], shown["wheel"]) == ("yes", "imu-serial")
+
+
+def test_what_implementations_declare_to_the_kit_is_read_off_their_tests() -> None:
+    shown = conformance.tables()
+    tests = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/*/test_*_contract.py")}
+    parts = {
+        "tests/core/test_line_framer_contract.py",
+        "tests/core/test_device_transport_contract.py",
+    }
+    assert tests - parts <= set(conformance.TESTS)
+    for path in conformance.TESTS:
+        assert f"| {conformance.title_of(path)} |" in shown
+    serial = TransportCapabilities(is_stream=True, can_unplug=True, can_be_absent=True)
+    (row,) = (line for line in shown.splitlines() if line.startswith("| `serial` |"))
+    assert row.startswith("| `serial` | yes | yes | yes | `{'wait_for_device': True}` | yes |")
+    assert row.endswith(f" `{serial.frames_lost_after_junk}` |")
 
 
 def test_every_parameter_of_a_transport_is_among_the_capabilities() -> None:
