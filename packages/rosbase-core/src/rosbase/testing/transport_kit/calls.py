@@ -63,10 +63,12 @@ class CallChecks(TransportAuthor):
     @check()
     def test_what_the_peer_can_do_is_declared(self, bench: Bench) -> None:
         """A peer that can send bytes as they are, or be unplugged, is declared to."""
-        peer = bench.peer().made
+        peer = bench.peer()
+        # Where there is nothing yet that can do anything, that is what is to be said.
+        bench.transport(peer).open()
         for capability in ("is_stream", "can_unplug"):
             abilities = ABILITIES[capability]
-            can = all(callable(getattr(peer, name, None)) for name in abilities)
+            can = all(callable(getattr(peer.made, name, None)) for name in abilities)
             bench.require(
                 getattr(self.capabilities, capability) or not can,
                 f"the peer has {'() and '.join(abilities)}(), "
