@@ -1,5 +1,6 @@
 """The page `first-transport`: each unfinished step is named, and the last one works."""
 
+import ast
 import os
 import re
 import subprocess
@@ -34,6 +35,23 @@ class Author:
         assert (self.project / folder / name).exists(), "the template has no such file"
         (self.project / folder / name).write_text(FILES[name])
 
+    def unwrite(self, name: str, method: str) -> str:
+        """Takes one method back to what the template has of it; gives what that says to do."""
+        file = self.project / "src/imu_tcp" / name
+        template = (ROOT / "docs/template/project/src/{{ package }}" / f"{name}.jinja").read_text()
+        raises = r"raise NotImplementedError\(\"(.+?)\"\)"
+        found = re.search(rf"def {method}\(.*?{raises}", template, re.S)
+        assert found, method
+        tree = ast.parse(file.read_text())
+        (node,) = (
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef) and node.name == method
+        )
+        node.body = ast.parse(f"raise NotImplementedError({found[1]!r})").body
+        file.write_text(ast.unparse(tree))
+        return found[1]
+
     def run(self, *command: str) -> "subprocess.CompletedProcess[str]":
         given = filter(None, [os.environ.get("PYTHONPATH")])
         path = os.pathsep.join([str(self.site), str(self.project / "src"), *given])
@@ -63,6 +81,14 @@ def test_the_page_gives_every_file_that_is_unfinished() -> None:
     assert names == set(STEPS)
 
 
+@pytest.mark.parametrize("name", ["serial", "Two", "two words", "größe"])
+def test_a_name_that_cannot_be_a_transports_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match="one lower-case word|there is one of that name"):
+        run_copy(
+            str(ROOT / "docs/template"), tmp_path / "x", {"name": name}, defaults=True, quiet=True
+        )
+
+
 NO_DEVICE = "step 1: play the device, in simulator.py"
 
 
@@ -73,6 +99,7 @@ NO_DEVICE = "step 1: play the device, in simulator.py"
         (["config.py", "link.py"], NO_DEVICE),
         (["simulator.py"], "step 2: say where the device is, in config.py"),
         (["simulator.py", "config.py"], "step 3: open the device, in link.py"),
+        (["simulator.py", "config.py", "link.py"], "TransportCapabilities(is_stream=True) is not"),
     ],
 )
 def test_an_unfinished_step_is_named_with_its_promise_and_page(
@@ -80,14 +107,35 @@ def test_an_unfinished_step_is_named_with_its_promise_and_page(
 ) -> None:
     for name in written:
         author.write(name)
+    for failure in failures_of(author):
+        assert missing in failure
+
+
+# Whoever comes upon them first is told; other checks need none of them.
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [("link.py", "fileno"), ("link.py", "close"), ("simulator.py", "send")],
+)
+def test_a_single_call_that_is_not_written_yet_is_named_and_soon(
+    author: Author, name: str, method: str
+) -> None:
+    for file in STEPS:
+        author.write(file)
+    step = author.unwrite(name, method)
+    failures = failures_of(author)
+    assert sum(step in failure for failure in failures) > len(failures) / 2
+
+
+def failures_of(author: Author) -> list[str]:
+    """What the tests of the author's say; each failure names a promise and the page."""
     result = author.test()
     assert result.returncode == 1, result.stdout + result.stderr
     failures = re.split(r"\n_{3,} TestContract\.\w+ _{3,}\n", result.stdout)[1:]
     assert failures
     for failure in failures:
-        assert failure.startswith("broken promise: ")
+        assert failure.startswith("broken promise: "), failure
         assert "\n  more:     docs/plugins/transport-contract.md#" in failure
-        assert missing in failure
+    return failures
 
 
 def test_the_demo_of_an_unfinished_transport_is_one_line_that_names_the_step(
