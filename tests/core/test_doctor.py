@@ -130,8 +130,9 @@ def test_warnings_and_skipped_checks_are_no_reason_to_fail(tmp_path: Path) -> No
 @pytest.mark.parametrize("is_well", [True, False])
 def test_json_says_the_same_for_machines(tmp_path: Path, is_well: bool) -> None:
     body = GOOD if is_well else "yield Finding(Outcome.FAIL, 'it is broken', 'mend it')"
-    install_check(tmp_path, "w", body)
+    install_check(tmp_path, "w", f"print('I am looking')\n{body}")
     done = run_apart("doctor", "--json", path=tmp_path)
+    assert done.stderr == "I am looking\n"
     said = json.loads(done.stdout)
     assert (done.returncode, said["ok"]) == (int(not is_well), is_well)
     assert said["findings"][-1] == (
@@ -184,9 +185,10 @@ def test_every_plugin_is_a_finding_with_what_to_do(
     install_plugin(site, "acme", "broken", "import no_such_library")
     install_plugin(site, "beta", "blocked", "raise SystemExit")
     install_plugin(site, "imu-serial", "serial", TRANSPORT_PLUGIN.format(name="serial"))
+    install_plugin(site, "void", "void", "")
     registry = PluginRegistry(candidates_in(site), PluginSwitches(("beta",)))
     monkeypatch.setenv("ROSBASE_BACKEND", "carrier")
-    broken, blocked, good, *others = check_plugins(registry)
+    broken, blocked, good, empty, *others = check_plugins(registry)
     assert broken.outcome is Outcome.FAIL
     assert broken.text.startswith("acme:broken 1.2, failed: ModuleNotFoundError")
     assert "pip install --force-reinstall acme" in broken.advice
@@ -196,6 +198,8 @@ def test_every_plugin_is_a_finding_with_what_to_do(
         Outcome.OK,
         "imu-serial:serial 1.2, active: transport: serial",
     )
+    assert (empty.outcome, empty.text) == (Outcome.WARN, "void:void 1.2, active: nothing")
+    assert "@hookimpl" in empty.advice
     *missing, backend = others
     assert {(f.outcome, f.text, f.advice) for f in missing} >= {
         (Outcome.SKIP, "transport 'mqtt' is not installed", "pip install imu-mqtt"),

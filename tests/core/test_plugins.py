@@ -34,6 +34,15 @@ def test_a_broken_plugin_is_recorded_and_the_others_work(site: Path, fault: str)
     assert "\n" not in broken.failure
 
 
+def test_what_a_plugin_prints_while_it_is_loaded_is_not_what_the_command_prints(
+    site: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = "print('welcome')\n" + TRANSPORT_PLUGIN.format(name="udp")
+    install_plugin(site, "acme", "udp", code)
+    assert set(load(site).transports) == {"udp"}
+    assert capsys.readouterr() == ("", "welcome\n")
+
+
 def test_a_name_of_a_plugin_that_failed_leads_to_the_reason(site: Path) -> None:
     install_plugin(site, "acme", "udp", "import acme_radio\n")
     with pytest.raises(NotInstalledError) as caught:

@@ -88,6 +88,10 @@ BROKEN_PLUGINS: dict[str, tuple[str | None, str]] = {
         "from rosbase.plugins import hookimpl\n@hookimpl\ndef rosbase_transports(): return 5",
         "TypeError",
     ),
+    "gives_none": (
+        "from rosbase.plugins import hookimpl\n@hookimpl\ndef rosbase_transports(): pass",
+        "rosbase_transports gave None: does it yield or return what it brings?",
+    ),
     "base_exception": ("raise BaseException('odd')", "BaseException: odd"),
     "parameters": (
         TRANSPORT_PLUGIN.format(name="x").replace("create)", "create, parameters=None)"),

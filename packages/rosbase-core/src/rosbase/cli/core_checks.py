@@ -47,8 +47,12 @@ def check_plugins(registry: PluginRegistry) -> Iterable[Finding]:
 def _finding_of(record: PluginRecord) -> Finding:
     text = f"{record.full_name} {record.version}, {record.status}: {what_of(record)}"
     match record.status:
-        case "active":
+        case "active" if record.descriptors:
             return Finding(Outcome.OK, text)
+        case "active":
+            return Finding(
+                Outcome.WARN, text, "has its module a hook, marked with @hookimpl, that yields?"
+            )
         case "blocked":
             return Finding(Outcome.SKIP, text, f"take it out of {BLOCK_VARIABLE} to have it back")
     name = record.distribution

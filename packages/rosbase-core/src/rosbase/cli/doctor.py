@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from contextlib import nullcontext, redirect_stdout
 from typing import Any
 
 from rosbase.checks import CheckContext, Finding, Outcome
@@ -29,11 +30,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Prints what was found; 0 if nothing failed."""
     registry = installed_plugins()
-    found = []
-    for check, finding in examine(registry, _context(registry, arguments), _LIMIT_S):
-        found.append((check, finding))
-        if not arguments.json:
-            _show(check, finding)
+    context, found = _context(registry, arguments), []
+    # What a check prints must not stand within the object.
+    with redirect_stdout(sys.stderr) if arguments.json else nullcontext():
+        for check, finding in examine(registry, context, _LIMIT_S):
+            found.append((check, finding))
+            if not arguments.json:
+                _show(check, finding)
     has_failed = any(finding.outcome is Outcome.FAIL for _, finding in found)
     if arguments.json:
         findings = [_as_data(check, finding) for check, finding in found]

@@ -6,7 +6,9 @@ asked one at a time here.
 """
 
 import inspect
+import sys
 from collections.abc import Callable, Iterable
+from contextlib import redirect_stdout
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -93,8 +95,10 @@ def load_plugin(manager: pluggy.PluginManager, candidate: Candidate, trace: Trac
     if candidate.entry is None:
         return evolve(record, failure=candidate.damage)
     try:
-        module = candidate.entry.load()
-        descriptors = _register(manager, record.full_name, module, trace)
+        # What a plugin prints must not stand among what the command prints.
+        with redirect_stdout(sys.stderr):
+            module = candidate.entry.load()
+            descriptors = _register(manager, record.full_name, module, trace)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -132,7 +136,11 @@ def _ask(manager: pluggy.PluginManager, module: ModuleType, trace: Trace) -> Ite
         caller = manager.subset_hook_caller(hook, others)
         if caller.get_hookimpls():
             trace(f"{hook} is called")
-            yield from _checked(hook, expected, caller(), trace)
+            answers = caller()
+            if len(answers) < len(caller.get_hookimpls()):
+                # pluggy leaves them out.
+                raise PluginError(f"{hook} gave None: does it yield or return what it brings?")
+            yield from _checked(hook, expected, answers, trace)
 
 
 def _checked(
