@@ -66,6 +66,13 @@ def test_a_name_that_is_no_port_fails_in_one_line(path: str) -> None:
     assert found.advice
 
 
+def test_a_device_of_another_kind_is_no_port_whoever_has_it_open() -> None:
+    with open("/dev/null"), subprocess.Popen(["sleep", "60"], stdin=subprocess.DEVNULL) as other:
+        (found,) = findings(device_path="/dev/null")
+        other.kill()
+    assert "not a serial port" in found.text
+
+
 def test_where_none_is_named_the_default_or_the_ports_that_are_there_count(
     port: str, ports: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

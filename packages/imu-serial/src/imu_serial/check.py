@@ -83,7 +83,7 @@ def _closed(path: str, outcome: Outcome) -> Finding | None:
         return None
     if not os.access(path, os.R_OK | os.W_OK):
         return _forbidden(path, mode, outcome)
-    if holder := _holder(path):
+    if _is_line(path) and (holder := _holder(path)):
         advice = "end that program, or read another port"
         return Finding(outcome, f"{path} is in use by {holder}", advice)
     return None
@@ -114,6 +114,14 @@ def _user_name() -> str:
         return pwd.getpwuid(os.geteuid()).pw_name
     except KeyError:
         return f"user {os.geteuid()}"
+
+
+def _is_line(path: str) -> bool:
+    """Whether it is a serial line or a terminal, as far as that is seen without opening it."""
+    name = os.path.basename(os.path.realpath(path))
+    return os.path.realpath(path).startswith("/dev/pts/") or os.path.exists(
+        f"/sys/class/tty/{name}"
+    )
 
 
 def _holder(path: str) -> str:
