@@ -83,7 +83,7 @@ def test_the_page_gives_every_file_that_is_unfinished() -> None:
 
 @pytest.mark.parametrize("name", ["serial", "Two", "two words", "größe"])
 def test_a_name_that_cannot_be_a_transports_is_refused(tmp_path: Path, name: str) -> None:
-    with pytest.raises(ValueError, match="one lower-case word|there is one of that name"):
+    with pytest.raises(ValueError, match=r"one lower-case word|there is one of that name"):
         run_copy(
             str(ROOT / "docs/template"), tmp_path / "x", {"name": name}, defaults=True, quiet=True
         )
