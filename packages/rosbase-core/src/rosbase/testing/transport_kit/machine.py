@@ -19,7 +19,7 @@ from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
 from rosbase.transport import TransportState
 
-__all__ = ["HistoryChecks"]
+__all__ = ["HistoryChecks", "Machine"]
 
 
 class HistoryChecks(TransportAuthor):
@@ -30,7 +30,7 @@ class HistoryChecks(TransportAuthor):
         """After any history of calls, data, junk and losses it is where the last ones lead."""
         failures: list[BrokenPromiseError] = []
 
-        class History(_Machine):
+        class History(Machine):
             def __init__(self) -> None:
                 super().__init__(Bench(bench.author, bench.promise), failures)
 
@@ -68,7 +68,7 @@ _BEGINNINGS = (
 )
 
 
-class _Machine(RuleBasedStateMachine):
+class Machine(RuleBasedStateMachine):
     """A transport beside the few words that describe where it should be."""
 
     def __init__(self, bench: Bench, failures: list[BrokenPromiseError]) -> None:
@@ -218,7 +218,11 @@ class _Machine(RuleBasedStateMachine):
 
     def _junk(self) -> None:
         junk = self._bench.author.junk
-        self._peer.send_raw(junk[len(self._history) % len(junk)])
+        data = junk[len(self._history) % len(junk)]
+        before = self._transport.health.received_bytes
+        self._peer.send_raw(data)
+        # What fills the link would have the peer wait, once nobody reads.
+        self._bench.wait_for_bytes(self._transport, before + len(data))
         self.is_spoiled = True
 
     def _half(self) -> None:

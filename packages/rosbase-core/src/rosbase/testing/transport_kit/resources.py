@@ -175,7 +175,8 @@ class ResourceChecks(TransportAuthor):
         bench.clock.sleep(_IDLE_S)
         used_s = cpu_s() - before_s
         seen = f"{used_s:.2f} s of the processor in {_IDLE_S:g} s while {while_what}"
-        bench.require(used_s < _IDLE_S / 2, seen)
+        # On a busy machine who turns in a circle gets a share of a processor only.
+        bench.require(used_s < _IDLE_S / 5, seen)
 
     def _lives(self, bench: Bench) -> dict[str, Callable[[], None]]:
         """Whole lives of a transport, from the first call to close, by what it was doing."""
