@@ -147,8 +147,15 @@ def test_a_watchdog_reset_by_every_message_does_not_grow(backend: LocalBackend) 
     assert len(backend.executor.timers) <= 65
 
 
-def test_stopping_ends_the_spin(backend: LocalBackend) -> None:
+@pytest.mark.parametrize("others", [0, 3])
+def test_stopping_ends_the_spin_at_once(
+    backend: LocalBackend, clock: ManualClock, others: int
+) -> None:
     stops: list[int] = []
-    backend.call_soon(lambda: stops.append(1))
-    backend.spin_until(10**15, lambda: bool(stops))
-    assert stops == [1]
+    for number in range(others):
+        backend.call_soon(partial(stops.append, number))
+    backend.call_soon(lambda: stops.append(9))
+    backend.spin_until(10**15, lambda: 9 in stops)
+    assert stops == [*range(others), 9]
+    backend.spin_until(10**15, lambda: True)
+    assert clock.elapsed_ns == 0

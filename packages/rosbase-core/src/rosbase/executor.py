@@ -136,7 +136,10 @@ class Executor:
         return False
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
-        """Runs calls until the deadline; those that are ready now, even if it has passed."""
+        """Runs calls until the deadline; those that are ready now, even if it has passed.
+
+        Ends at once when `stopping` holds, which is asked before it waits and after each call.
+        """
         monotonic_ns, ready = self._monotonic_ns, self.ready
         # What is due now has its turn, also in a loop that is always late; what becomes due
         # meanwhile waits until after the next tick.
@@ -146,6 +149,8 @@ class Executor:
                 return
             if not self._run_one(now_ns):
                 break
+        if stopping():
+            return
         while (left_ns := deadline_ns - monotonic_ns()) > 0:
             if (ready or self.timers) and self._run_one(monotonic_ns()):
                 if stopping():
