@@ -136,7 +136,7 @@ def test_a_manager_keeps_its_rate_beside_a_child_that_floods_its_output(
     start = time.monotonic()
     manager.start_main_loop_timer(processes)
     assert time.monotonic() - start < 5.0
-    assert manager.loop_stats.overruns < 50
+    assert manager.loop_stats.overruns < 150
 
 
 @pytest.mark.parametrize(
