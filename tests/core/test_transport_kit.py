@@ -9,11 +9,13 @@ from rosbase.testing import BrokenPromiseError, TransportContract
 from rosbase.testing.transport_kit.flood import Flood
 from rosbase.testing.transport_kit.promised import promises_of
 from rosbase.testing.transport_kit.promises import PREPARATIONS
+from support.fifo import FifoContract
 from support.mutants import LEAKED, MUTANTS, RELEASE, Mutant
 
 pytestmark = pytest.mark.usefixtures("same_cases")
 
 CHECKS = {promise.name: promise for promise in promises_of(TransportContract)}
+PATIENCE = {"call_limit_s": 3.0, "end_limit_s": 2.0, "patience_s": 3.0, "reconnect_limit_s": 4.0}
 
 
 @pytest.fixture(autouse=True)
@@ -27,20 +29,29 @@ def nothing_stays_behind() -> Iterator[None]:
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.promise}-{mutant.name}")
 def test_a_mutant_is_rejected_with_the_promise_that_it_breaks(mutant: Mutant) -> None:
+    said = rejection(mutant, mutant.contract())
+    if mutant.seen not in said:
+        # On a busy machine an impatient check may see first that something takes its time.
+        patient = type("Patient", (mutant.contract,), PATIENCE)
+        said = rejection(mutant, patient())
+    first, promised, seen, more, *_ = said.splitlines()
+    assert first == f"broken promise: {mutant.promise}"
+    assert more.endswith(f"plugins/transport-contract.md#{mutant.promise}")
+    assert mutant.seen in said, seen
+    assert len(promised) > len("  promised: ")
+
+
+def rejection(mutant: Mutant, contract: FifoContract) -> str:
+    """What the check of its promise says of the mutant, which it must reject."""
     # What an author has not finished is found by whichever check comes first.
     check = mutant.promise if mutant.promise in CHECKS else "health-counts-what-arrives"
-    contract = mutant.contract()
     contract.setup_method()
     try:
         with pytest.raises(BrokenPromiseError) as rejected:
             getattr(contract, f"test_{check.replace('-', '_')}")()
     finally:
         contract.teardown_method()
-    first, promised, seen, more, *_ = str(rejected.value).splitlines()
-    assert first == f"broken promise: {mutant.promise}"
-    assert more.endswith(f"plugins/transport-contract.md#{mutant.promise}")
-    assert mutant.seen in str(rejected.value), seen
-    assert len(promised) > len("  promised: ")
+    return str(rejected.value)
 
 
 def test_no_check_is_without_a_mutant() -> None:
