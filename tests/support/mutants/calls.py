@@ -10,7 +10,7 @@ from rosbase.plugins import TransportPlugin
 from rosbase.testing import TransportCapabilities
 from rosbase.transport import OnFrame, TransportState
 from support.fifo import PARAMETERS, FifoContract, make_transport
-from support.mutants.mutant import Wrapped, mutant, wait_for_release
+from support.mutants.mutant import KeepsSubscriber, Wrapped, mutant, wait_for_release
 
 PAUSE_NS = 1_000_000_000
 
@@ -253,14 +253,8 @@ class HandsOverFromAQueue(Wrapped):
 
 
 @mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
-class HandsOverWhatIsLeft(Wrapped):
+class HandsOverWhatIsLeft(KeepsSubscriber):
     """It waits for on_frame, and then hands over the rest of what it has read."""
-
-    on_frame: OnFrame | None = None
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.on_frame = on_frame
-        self.inner.start(on_frame)
 
     def stop(self) -> None:
         self.inner.stop()
@@ -312,13 +306,7 @@ class StopWaitsForTheEndOfABegunFrame(Wrapped):
 
 
 @mutant("nothing-is-handed-over-after-the-end", "frames came after stop had returned")
-class HandsOverHalfASecondAfterStop(Wrapped):
-    on_frame: OnFrame | None = None
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.on_frame = on_frame
-        self.inner.start(on_frame)
-
+class HandsOverHalfASecondAfterStop(KeepsSubscriber):
     def stop(self) -> None:
         self.inner.stop()
         on_frame, self.on_frame = self.on_frame, None

@@ -9,7 +9,8 @@ from rosbase.framing import Frame, FrameEvent, LineFramer
 from rosbase.testing import TransportCapabilities
 from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext, TransportHealth
 from support.fifo import FifoContract, FifoDevice, FifoPeer, make_transport
-from support.mutants.mutant import Wrapped, mutant
+from support.mutants.framers import TrustingLengths
+from support.mutants.mutant import KeepsSubscriber, Wrapped, mutant
 
 
 class Framed(Wrapped):
@@ -230,32 +231,9 @@ class CountsBadFramesAsFrames(Wrapped):
         return evolve(health, frames=health.frames + sum(health.frame_errors.values()))
 
 
-class TrustsLengths:
-    """Two marks, a length and the payload: what is cut short swallows what comes after it."""
-
-    MARKS = b"\xa5\x5a"
-
-    def __init__(self) -> None:
-        self.begun = b""
-
-    def reset(self) -> None:
-        self.begun = b""
-
-    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
-        self.begun += data
-        events: list[FrameEvent] = []
-        while (start := self.begun.find(self.MARKS)) >= 0:
-            end = start + 4 + int.from_bytes(self.begun[start + 2 : start + 4], "big")
-            if len(self.begun) < max(end, start + 4):
-                break
-            events.append(Frame(self.begun[start + 4 : end], stamp_ns))
-            self.begun = self.begun[end:]
-        return events
-
-
 class LengthPeer(FifoPeer):
     def encode(self, payload: bytes) -> bytes:
-        return TrustsLengths.MARKS + len(payload).to_bytes(2, "big") + payload
+        return TrustingLengths.MARKS + len(payload).to_bytes(2, "big") + payload
 
 
 @mutant("frames-after-junk-are-whole", "came")
@@ -272,7 +250,7 @@ class MergesAfterAFrameThatIsCutShort(FifoContract):
         return LengthPeer(Path(self._folder.name))
 
     def make_transport(self, peer: Any, context: TransportContext) -> Transport:
-        return make_transport({"wait": False, **peer.parameters}, context, framer=TrustsLengths())
+        return make_transport({"wait": False, **peer.parameters}, context, framer=TrustingLengths())
 
 
 class KeepsWhatWasBegun(LineFramer):
@@ -286,13 +264,7 @@ class ContinuesAfterAStop(Framed):
 
 
 @mutant("a-frame-begun-before-a-stop-is-not-continued", "half a frame was handed over")
-class HandsOverHalfAFrame(Wrapped):
-    on_frame: OnFrame | None = None
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.on_frame = on_frame
-        self.inner.start(on_frame)
-
+class HandsOverHalfAFrame(KeepsSubscriber):
     def stop(self) -> None:
         self.inner.stop()
         if self.on_frame is not None and self.inner.health.frames == 0:

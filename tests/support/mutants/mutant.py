@@ -8,7 +8,16 @@ from rosbase.parameters import ParameterValue
 from rosbase.transport import OnFrame, Transport, TransportContext, TransportHealth
 from support.fifo import FifoContract, make_transport
 
-__all__ = ["LEAKED", "MUTANTS", "RELEASE", "Mutant", "Wrapped", "mutant", "wait_for_release"]
+__all__ = [
+    "LEAKED",
+    "MUTANTS",
+    "RELEASE",
+    "KeepsSubscriber",
+    "Mutant",
+    "Wrapped",
+    "mutant",
+    "wait_for_release",
+]
 
 RELEASE = threading.Event()
 """Ends whatever a mutant would do for ever."""
@@ -68,6 +77,16 @@ class Wrapped(Transport):
     @property
     def health(self) -> TransportHealth:
         return self.inner.health
+
+
+class KeepsSubscriber(Wrapped):
+    """Has what it was started with, to call it when it should not."""
+
+    on_frame: OnFrame | None = None
+
+    def start(self, on_frame: OnFrame) -> None:
+        self.on_frame = on_frame
+        self.inner.start(on_frame)
 
 
 def mutant(promise: str, seen: str) -> Callable[[type[Any]], type[Any]]:
