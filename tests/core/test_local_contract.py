@@ -1,4 +1,4 @@
-"""The backend of the core keeps the contract of backends."""
+"""`local` keeps the contract of backends."""
 
 from rosbase.backend import Backend, BackendOptions
 from rosbase.local import LocalBackend

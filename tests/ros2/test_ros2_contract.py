@@ -1,4 +1,4 @@
-"""The backend on rclpy keeps the contract of backends."""
+"""`ros2` keeps the contract of backends."""
 
 from rosbase.backend import Backend, BackendOptions
 from rosbase.testing import BackendCapabilities, BackendContract
