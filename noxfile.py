@@ -24,8 +24,8 @@ DISTRIBUTIONS = {
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
 }
-# Tests that mostly wait: for brokers and for processes.
-WAITING = {"tests/imu_mqtt", "tests/integration"}
+# Tests that keep a processor busy. The others mostly wait: for time, brokers and processes.
+BUSY = {"tests/ros2"}
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
@@ -53,8 +53,8 @@ PYTHONS = _pythons()
 
 
 def _test(session: nox.Session, folder: str) -> None:
-    """Runs the tests of a folder, as many at a time as there are processors, or twice as many."""
-    at_once = max(2, os.cpu_count() or 1) * (2 if folder in WAITING else 1)
+    """Runs the tests of a folder, twice as many at a time as there are processors."""
+    at_once = max(2, os.cpu_count() or 1) * (1 if folder in BUSY else 2)
     session.run("pytest", "-q", "-n", str(at_once), folder, *session.posargs)
 
 
