@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 
 from rosbase.device import Device
 from rosbase.errors import DeviceBusyError, TransportError
@@ -266,6 +267,14 @@ class TurnsWhileNothingArrives(Turns):
 class TurnsWhileTheDeviceIsAway(Turns):
     def turns(self) -> bool:
         return self.inner.health.state is TransportState.RECONNECTING
+
+
+@mutant("waiting-costs-no-processor", "while the device was away")
+class TurnsOnABusyMachine(TurnsWhileTheDeviceIsAway):
+    """Gets less than half of a processor, because others want it too."""
+
+    def turns(self) -> bool:
+        return super().turns() and time.thread_time() < 0.16
 
 
 @mutant("close-gives-descriptors-back", "it was without its device")
