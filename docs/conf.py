@@ -5,11 +5,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rosbase.plugins import installed_plugins
+from rosbase import installed_plugins
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from generators import capabilities, conformance, docstrings, lifecycle, names
+from generators import capabilities, conformance, docstrings, lifecycle, names, public
 
 project = "rosbase"
 author = "The rosbase authors"
@@ -30,6 +30,8 @@ myst_heading_anchors = 3
 default_role = "code"
 autodoc_default_options = {"members": True, "undoc-members": True}
 autodoc_member_order = "bysource"
+# Names are imported from `rosbase`, not from the modules that define them.
+add_module_names = False
 autodoc_typehints_format = "short"
 autoclass_content = "both"
 napoleon_numpy_docstring = False
@@ -51,6 +53,7 @@ GENERATED = {
     "conformance": conformance.tables,
     "lifecycle diagram": lifecycle.diagram,
     "lifecycle table": lifecycle.table,
+    "public names": public.tables,
 }
 
 

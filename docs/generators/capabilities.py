@@ -4,11 +4,11 @@ from importlib.metadata import requires
 
 from attrs import fields
 
-from rosbase.parameters import ParameterSpec
-from rosbase.plugins import (
+from rosbase import (
     BackendPlugin,
     CheckPlugin,
     Descriptor,
+    ParameterSpec,
     PluginRegistry,
     PresetPlugin,
     TransportPlugin,

@@ -6,7 +6,8 @@ Only where the states stand on the drawing, and which arrows go around others, i
 import math
 from typing import NamedTuple
 
-from rosbase.lifecycle import TRANSITIONS, CallbackReturn, State, Transition
+from rosbase import CallbackReturn, State
+from rosbase.lifecycle import TRANSITIONS, Transition
 
 __all__ = ["diagram", "table"]
 

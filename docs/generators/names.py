@@ -1,6 +1,7 @@
 """Where a name of the API is documented: at the package that it is imported from."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from enum import Enum
 from importlib import import_module
 from typing import Any
@@ -11,13 +12,13 @@ __all__ = ["complain_of_missing", "find_public"]
 
 
 def find_public(app: Any, env: Any, reference: Any, shown: Any) -> Any:
-    """Resolves `rosbase.lifecycle.table.State` of a signature as `rosbase.lifecycle.State`.
+    """Resolves `rosbase.State` of a signature as `rosbase.State`.
 
     Sphinx calls it for each reference that leads nowhere.
     """
     target = str(reference.get("reftarget", ""))
     domain = env.get_domain("py")
-    for candidate in _shorter(target):
+    for candidate in _candidates(target, domain.objects):
         if candidate in domain.objects:
             page = domain.objects[candidate].docname
             kind = reference.get("reftype", "class")
@@ -49,7 +50,9 @@ def _public(module: str) -> Iterator[str]:
             yield from (f"{module}.{name}.{member.name}" for member in found)
 
 
-def _shorter(target: str) -> list[str]:
-    """The same name without one of the modules in its middle."""
+def _candidates(target: str, objects: Iterable[str]) -> list[str]:
+    """The same name without one of the modules in its middle, or with those that define it."""
     parts = target.split(".")
+    if len(parts) == 2:
+        return [name for name in objects if re.fullmatch(rf"{parts[0]}(\.\w+)+\.{parts[1]}", name)]
     return [".".join(parts[:i] + parts[i + 1 :]) for i in range(len(parts) - 2, 0, -1)]

@@ -21,7 +21,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 from rosbase import BaseHandlers, BaseManager, BaseNode
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header
 

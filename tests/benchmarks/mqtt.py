@@ -56,7 +56,7 @@ def read_bare(port: int, qos: int, wanted: int) -> int:
 
 
 def read_rosbase(port: int, qos: int, wanted: int) -> int:
-    from rosbase.backend import BackendOptions
+    from rosbase.contracts.backend import BackendOptions
     from rosbase.imu.reader import ImuReader
     from rosbase.local import LocalBackend
 

@@ -61,7 +61,7 @@ def read_careful(path: str, wanted: int, got: Callable[[Imu], object]) -> None:
 
 
 def read_rosbase(path: str, wanted: int, got: Callable[[Imu], object]) -> None:
-    from rosbase.backend import BackendOptions
+    from rosbase.contracts.backend import BackendOptions
     from rosbase.imu.reader import ImuReader
     from rosbase.local import LocalBackend
 

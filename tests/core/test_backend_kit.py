@@ -7,9 +7,9 @@ from contextlib import suppress
 
 import pytest
 
-from rosbase import backend as contract
-from rosbase.backend import Backend, BackendOptions
 from rosbase.clock import SystemClock
+from rosbase.contracts import backend as contract
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.local import Bus, LocalBackend
 from rosbase.testing import BackendCapabilities, BackendContract, BrokenPromiseError
 from rosbase.testing.backend_kit.promises import PROMISES

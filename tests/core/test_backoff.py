@@ -3,7 +3,7 @@ from random import Random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.backoff import Backoff
+from rosbase.runtime.backoff import Backoff
 
 
 @given(st.floats(0.001, 1), st.floats(1, 100), st.integers(0, 2**32))

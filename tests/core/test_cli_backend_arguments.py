@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.backend import Backend, BackendOptions
 from rosbase.cli.backend_arguments import check_taken, split_arguments
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import ConfigurationError
 from rosbase.plugins import BackendPlugin
 

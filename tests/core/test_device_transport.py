@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import TransportContext, TransportState
 from rosbase.logger import RosbaseLogger
 from rosbase.testing import RecordingSubscriber
-from rosbase.transport import TransportContext, TransportState
 from support.fifo import FifoDevice, FifoPeer, make_transport
 from support.waiting import wait_until
 

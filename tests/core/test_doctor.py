@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from rosbase.checks import CheckContext, Finding, Outcome
 from rosbase.cli.core_checks import check_plugins, check_python
 from rosbase.cli.examination import examine
 from rosbase.clock import SystemClock
+from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import PluginRegistry
 from rosbase.plugins.switches import PluginSwitches
@@ -27,7 +27,7 @@ def install_check(folder: Path, name: str, body: str, distribution: str = "acme"
     lines = "\n    ".join(body.splitlines())
     code = f"""
 import sys, threading
-from rosbase.checks import Finding, Outcome
+from rosbase.contracts.checks import Finding, Outcome
 from rosbase.plugins import CheckPlugin, hookimpl
 
 gate, both = threading.Event(), threading.Barrier(2)

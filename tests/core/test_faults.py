@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import Transport, TransportContext, TransportState
 from rosbase.device import DeviceTransport
 from rosbase.errors import DeviceBusyError
 from rosbase.framing import LineFramer
 from rosbase.logger import RosbaseLogger
 from rosbase.testing import Faults, RecordingSubscriber
-from rosbase.transport import Transport, TransportContext, TransportState
 from support.fifo import FifoDevice, FifoPeer
 from support.waiting import wait_until
 

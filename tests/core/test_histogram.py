@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.histogram import Histogram
+from rosbase.runtime.histogram import Histogram
 
 values = st.lists(st.integers(0, 2**50), min_size=1, max_size=200)
 

@@ -6,7 +6,8 @@ from typing import Any, cast
 
 import pytest
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
+from rosbase.contracts.transport import TransportState
 from rosbase.errors import (
     ConfigurationError,
     DeviceNotFoundError,
@@ -23,7 +24,6 @@ from rosbase.messages import Imu, Time
 from rosbase.parameters import Parameter
 from rosbase.plugins import installed_plugins
 from rosbase.testing import ManualClock
-from rosbase.transport import TransportState
 from support.reader_rig import Rig
 from support.samples import FAULTS, GOOD, GOOD_FRAME, payload, vector
 from support.transports import ScriptedRegistry

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, TRANSITIONS, CallbackReturn, State, TransitionEvent
-from rosbase.lifecycle_node import LifecycleNode
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Header
+from rosbase.roles.lifecycle_node import LifecycleNode
 from support.strategies import answers
 
 ANSWERABLE = st.one_of(answers, st.sampled_from([None, True, 97, "SUCCESS", ValueError("no")]))

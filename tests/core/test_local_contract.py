@@ -1,6 +1,6 @@
 """`local` keeps the contract of backends."""
 
-from rosbase.backend import Backend, BackendOptions
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.local import LocalBackend
 from rosbase.testing import BackendCapabilities, BackendContract
 

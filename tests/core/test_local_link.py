@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from attrs import frozen
 
-from rosbase.backend import BackendOptions, Publisher
+from rosbase.contracts.backend import BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 from rosbase.local.link import Link
 from rosbase.messages import Header, Imu, Time, Vector3

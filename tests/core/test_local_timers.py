@@ -4,7 +4,7 @@ from functools import partial
 
 import pytest
 
-from rosbase.backend import BackendOptions, Timer
+from rosbase.contracts.backend import BackendOptions, Timer
 from rosbase.local import Bus, LocalBackend
 from rosbase.testing import ManualClock
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase import BaseAgent, BaseHandlers, BaseManager, BaseNode
-from rosbase.rate import Rate
+from rosbase.runtime.rate import Rate
 from rosbase.testing import ManualClock, virtual_backend
 from support.roles import StopAfter
 

@@ -21,7 +21,7 @@ from rosbase import (
     ReliabilityPolicy,
     qos_profile_sensor_data,
 )
-from rosbase.backend import Publisher
+from rosbase.contracts.backend import Publisher
 from rosbase.local import LocalBackend
 from rosbase.messages import Vector3
 from rosbase.qos import mismatch

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.rate import LoopStats, Rate
+from rosbase.runtime.rate import LoopStats, Rate
 
 busy_ns = st.lists(st.integers(0, 60_000_000), max_size=50)
 

@@ -2,10 +2,10 @@
 
 import time
 
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.machine import Machine
 from rosbase.testing.transport_kit.promises import CALLS
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
 from support.fifo import FifoContract, FifoDevice, make_transport
 
 

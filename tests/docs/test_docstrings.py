@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from generators import docstrings
-from rosbase import backend, errors, fsm
+from rosbase import errors, fsm
+from rosbase.contracts import backend
 from rosbase.lifecycle import CallbackReturn, machine
 from rosbase.local import LocalBackend
 from rosbase.testing import TransportContract, backend_contract

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 import rosbase
-from generators import capabilities, conformance, docstrings, lifecycle
+from generators import capabilities, conformance, docstrings, lifecycle, public
 from rosbase.lifecycle import TRANSITIONS, State
 from rosbase.plugins import PresetPlugin, installed_plugins
 from rosbase.testing import TransportCapabilities
@@ -17,23 +17,44 @@ from support.code_blocks import PAGES, ROOT
 DOCS = ROOT / "docs"
 API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
 # What neither programs nor plugins are meant to import.
-INTERNAL = {"__main__", "cli", "connection", "imu", "local", "shutdown", "stopping"}
+INTERNAL = {
+    *("__main__", "cli", "imu", "local"),
+    *("roles.connection", "roles.shutdown", "runtime.stopping"),
+}
+ROOMS = ("contracts", "roles", "runtime")
 
 REGISTRY = installed_plugins()
 TABLES = capabilities.tables(REGISTRY)
 
 
 def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
-    modules = {module.name for module in pkgutil.iter_modules(rosbase.__path__)} - INTERNAL
-    shown = set(re.findall(r"automodule:: rosbase\.(\w+)$", API, re.M))
-    assert modules == shown
+    root = Path(rosbase.__file__).parent
+    modules = {module.name for module in pkgutil.iter_modules(rosbase.__path__)} - {*ROOMS}
+    for room in ROOMS:
+        modules |= {f"{room}.{module.name}" for module in pkgutil.iter_modules([str(root / room)])}
+    shown = set(re.findall(r"automodule:: rosbase\.([\w.]+)$", API, re.M))
+    assert modules - INTERNAL == {
+        name for name in shown if not name.startswith(("imu.", "testing."))
+    }
 
 
-def test_every_name_of_the_package_is_in_the_api() -> None:
-    for name in rosbase.__all__:
-        home = getattr(rosbase, name)
-        module = getattr(home, "__module__", "rosbase.qos")
-        assert any(module.startswith(m) for m in re.findall(r"automodule:: (\S+)", API)), name
+def test_every_public_name_is_on_the_page_that_lists_them_with_a_summary() -> None:
+    # Each is a link, and a link that leads nowhere ends the build.
+    rows = re.findall(r"\| \{py:obj\}`rosbase\.(\w+)` \| (.+?) \|$", public.tables(), re.M)
+    assert sorted(name for name, _ in rows) == sorted(rosbase.__all__)
+
+
+def test_a_public_name_does_not_depend_on_where_it_is_defined() -> None:
+    allowed = {
+        "rosbase",
+        *(f"rosbase.{name}" for name in ("messages", "fsm", "lifecycle", "testing")),
+    }
+    sources = [*PAGES, *ROOT.glob("docs/examples/**/*.py"), *ROOT.glob("docs/template/**/*.jinja")]
+    for source in sources:
+        for module in re.findall(
+            r"^\s*(?:from|import) (rosbase\b[\w.]*)", source.read_text(), re.M
+        ):
+            assert module in allowed, source
 
 
 def test_the_drawing_has_every_state_and_every_transition() -> None:

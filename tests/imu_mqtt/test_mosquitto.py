@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from imu_mqtt.config import PASSWORD_VARIABLE
+from rosbase.contracts.transport import TransportState
 from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
-from rosbase.transport import TransportState
 from support.certificates import Authority
 from support.command import RunningRosbase
 from support.mosquitto import TOPIC, Mosquitto, can_connect, free_port, is_installed, set_password

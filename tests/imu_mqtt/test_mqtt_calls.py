@@ -7,9 +7,9 @@ import pytest
 from imu_mqtt.simulator import EmbeddedBroker
 from imu_mqtt.transport import STOP_TIMEOUT_S, MqttTransport
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import TransportContext, TransportState
 from rosbase.errors import TransportError
 from rosbase.logger import RosbaseLogger
-from rosbase.transport import TransportContext, TransportState
 from support.mqtt import SUBSCRIBE, Peer, Publisher, ScriptedBroker, publish_packet, serves
 from support.mqtt_rig import MqttRig, config, elapsed, network_threads, wait_for_state
 from support.waiting import wait_until

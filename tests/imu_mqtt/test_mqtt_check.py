@@ -9,8 +9,8 @@ from imu_mqtt import connection
 from imu_mqtt.check import check_broker
 from imu_mqtt.config import PARAMETERS, PASSWORD_VARIABLE
 from imu_mqtt.simulator import EmbeddedBroker
-from rosbase.checks import CheckContext, Finding, Outcome
 from rosbase.clock import SystemClock
+from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.parameters import ParameterValue
 from support.certificates import Authority
 from support.mosquitto import Mosquitto, free_port, is_installed, set_password

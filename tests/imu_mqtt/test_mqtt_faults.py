@@ -12,8 +12,8 @@ from imu_mqtt.buffered_socket import MOST_PACKET_BYTES
 from imu_mqtt.network_thread import NetworkThread
 from imu_mqtt.simulator import EmbeddedBroker
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
+from rosbase.contracts.transport import TransportState
 from rosbase.errors import DeviceNotFoundError, TransportError
-from rosbase.transport import TransportState
 from support.mqtt import (
     GOOD,
     Peer,

@@ -6,8 +6,8 @@ import pytest
 
 from imu_mqtt import network_thread
 from imu_mqtt.dialing import RefusedError
-from rosbase.backoff import Backoff
-from rosbase.transport import TransportState
+from rosbase.contracts.transport import TransportState
+from rosbase.runtime.backoff import Backoff
 from support.mqtt import (
     GOOD,
     Peer,

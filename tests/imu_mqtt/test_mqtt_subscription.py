@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES, Subscription
+from rosbase.contracts.transport import Tally
 from rosbase.errors import TransportError
-from rosbase.transport import Tally
 from support.mqtt_rig import context, elapsed
 from support.waiting import wait_until
 

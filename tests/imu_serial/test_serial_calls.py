@@ -5,10 +5,10 @@ import threading
 
 import pytest
 
+from rosbase.contracts.transport import TransportState
 from rosbase.errors import (
     TransportError,
 )
-from rosbase.transport import TransportState
 from support.serial_port import PluggablePort
 from support.serial_rig import SerialRig, elapsed
 from support.waiting import wait_until

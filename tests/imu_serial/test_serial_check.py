@@ -12,8 +12,8 @@ import pytest
 from imu_serial import check
 from imu_serial.check import check_ports
 from imu_serial.config import PARAMETERS
-from rosbase.checks import CheckContext, Finding, Outcome
 from rosbase.clock import SystemClock
+from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from support.serial_rig import SerialRig
 
 DEFAULTS = {"comm_t": "serial", **{spec.name: spec.default for spec in PARAMETERS}}
@@ -136,7 +136,7 @@ AS_NOBODY = """
 import grp, os, pwd, sys
 from imu_serial import check
 from imu_serial.config import PARAMETERS
-from rosbase.checks import CheckContext
+from rosbase.contracts.checks import CheckContext
 from rosbase.clock import SystemClock
 if os.getuid() == 0:
     os.setgroups([])

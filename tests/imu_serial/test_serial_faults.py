@@ -11,6 +11,7 @@ import pytest
 
 from imu_serial.config import SerialConfig
 from imu_serial.port import Port
+from rosbase.contracts.transport import TransportState
 from rosbase.errors import (
     DeviceBusyError,
     DeviceNotFoundError,
@@ -18,7 +19,6 @@ from rosbase.errors import (
     NotADeviceError,
     TransportError,
 )
-from rosbase.transport import TransportState
 from support.serial_rig import SerialRig, elapsed, wait_for_state
 from support.waiting import wait_until
 

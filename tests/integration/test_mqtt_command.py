@@ -167,7 +167,7 @@ def farewells_are(broker: Mosquitto, wanted: list[int]) -> bool:
 def test_deactivating_unsubscribes_and_disconnects_and_activating_again_works(
     broker: Mosquitto,
 ) -> None:
-    from rosbase.backend import BackendOptions
+    from rosbase.contracts.backend import BackendOptions
     from rosbase.imu.reader import ImuReader
     from rosbase.local import LocalBackend
     from rosbase.messages import Imu

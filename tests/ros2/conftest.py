@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import rclpy
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import isolate, ros_context
 

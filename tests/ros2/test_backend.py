@@ -16,12 +16,12 @@ from std_msgs.msg import Header as RosHeader
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseHandlers, BaseManager, BaseNode
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import BackendError
 from rosbase.lifecycle import CallbackReturn, State
-from rosbase.lifecycle_node import LifecycleNode
 from rosbase.messages import Imu, String
 from rosbase.parameters import ParameterSpec
+from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import Client, spin_until
 
@@ -231,7 +231,7 @@ def test_only_the_first_lifecycle_node_is_exposed_and_the_next_says_so(
 
 ROS_ARGUMENTS = """
 import sys
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.messages import String
 from rosbase.parameters import ParameterSpec
 from rosbase_ros2.backend import Ros2Backend

@@ -11,7 +11,7 @@ from geometry_msgs.msg import Vector3 as RosVector3
 from geometry_msgs.msg import Wrench, WrenchStamped
 from rclpy.executors import SingleThreadedExecutor
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import PluginError
 from rosbase.messages import Header, Vector3
 from rosbase.plugins import installed_plugins

@@ -14,11 +14,11 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode as RclpyNode
 from rclpy.lifecycle import TransitionCallbackReturn
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn
-from rosbase.lifecycle_node import LifecycleNode
 from rosbase.local import Bus, LocalBackend
+from rosbase.roles.lifecycle_node import LifecycleNode
 from support.ros import ros_context
 from support.strategies import answers, labels
 

@@ -11,7 +11,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 import support.ros_walk
 from rosbase.lifecycle import TRANSITIONS, CallbackReturn, State
-from rosbase.lifecycle_node import LifecycleNode
+from rosbase.roles.lifecycle_node import LifecycleNode
 from support.ros import TIMEOUT_S, Client, Served, spinning
 from support.waiting import wait_until
 

@@ -9,7 +9,7 @@ from rclpy import qos as ros
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String as RosString
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.messages import String
 from rosbase.qos import (
     DurabilityPolicy,

@@ -19,10 +19,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from imu_mqtt.simulator import BrokeredDevice
 from imu_serial.simulator import PtyDevice
+from rosbase.contracts.transport import SimulatedDevice
 from rosbase.errors import TransportError
 from rosbase.imu.simulator import payload_at
 from rosbase.messages import Time
-from rosbase.transport import SimulatedDevice
 from support.command import Lines, RunningRosbase, run_rosbase, summary_of
 from support.plugins import install_plugin
 from support.ros import Client
@@ -214,7 +214,7 @@ def end(reader: RunningRosbase, signum: int) -> int:
 SLOW_TRANSPORT = """
 import time
 from rosbase.plugins import TransportPlugin, hookimpl
-from rosbase.transport import Transport, TransportHealth
+from rosbase.contracts.transport import Transport, TransportHealth
 
 class Slow(Transport):
     is_open = False

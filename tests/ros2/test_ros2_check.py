@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rosbase.checks import Finding, Outcome
+from rosbase.contracts.checks import Finding, Outcome
 from rosbase_ros2 import check
 from rosbase_ros2.check import check_ros
 from support.command import run_rosbase

@@ -1,6 +1,6 @@
 """`ros2` keeps the contract of backends."""
 
-from rosbase.backend import Backend, BackendOptions
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.testing import BackendCapabilities, BackendContract
 from rosbase_ros2.backend import Ros2Backend
 

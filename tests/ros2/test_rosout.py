@@ -18,7 +18,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseManager, BaseNode
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.logger import RosbaseLogger
 from rosbase_ros2.backend import Ros2Backend
 from support.waiting import wait_until
@@ -76,8 +76,8 @@ def everything_is_logged(caplog: pytest.LogCaptureFixture) -> None:
 
 PROGRAM = """
 import sys
-from rosbase.backend import BackendOptions
-from rosbase.lifecycle_node import LifecycleNode
+from rosbase.contracts.backend import BackendOptions
+from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 
 class Walker(LifecycleNode):

@@ -12,7 +12,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.time import Time as RclpyTime
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-from rosbase.backend import BackendOptions, Timer
+from rosbase.contracts.backend import BackendOptions, Timer
 from rosbase.messages import Time
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import TIMEOUT_S, spin_until

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.device import DeviceTransport
 from rosbase.errors import DeviceNotFoundError, TransportError
 from rosbase.framing import Framer, LineFramer
 from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.plugins import TransportPlugin
 from rosbase.testing import TransportCapabilities, TransportContract
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = ["FifoContract", "FifoDevice", "FifoPeer", "make_transport"]
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from imu_mqtt.config import PARAMETERS, MqttConfig
 from imu_mqtt.transport import MqttTransport
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import TransportContext
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import ParameterValue
-from rosbase.transport import TransportContext
 from support.mosquitto import TOPIC, Mosquitto
 from support.waiting import wait_until
 

@@ -11,8 +11,8 @@ import pytest
 from imu_mqtt.config import PARAMETERS, MqttConfig
 from imu_mqtt.transport import MqttTransport
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import TransportContext, TransportState
 from rosbase.logger import RosbaseLogger
-from rosbase.transport import TransportContext, TransportState
 from support.waiting import wait_until
 
 __all__ = ["MqttRig", "config", "context", "elapsed", "wait_for_state", "warnings"]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable
 from typing import Any, Self, cast
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import CallbackReturn
 from rosbase.local import Bus, LocalBackend

@@ -13,9 +13,9 @@ from lifecycle_msgs import msg, srv
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from rosbase.backend import BackendOptions
-from rosbase.lifecycle_node import LifecycleNode
+from rosbase.contracts.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
+from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from support.waiting import wait_until

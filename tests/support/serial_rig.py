@@ -7,9 +7,9 @@ from pathlib import Path
 
 from imu_serial.plugin import rosbase_transports
 from rosbase.clock import Clock, SystemClock
+from rosbase.contracts.transport import Transport, TransportContext, TransportState
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import ParameterValue
-from rosbase.transport import Transport, TransportContext, TransportState
 from support.serial_port import PluggablePort
 from support.waiting import wait_until
 

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rosbase.contracts.transport import TransportContext
 from rosbase.errors import TransportError
 from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.plugins import TransportPlugin
 from rosbase.testing import ScriptedTransport
-from rosbase.transport import TransportContext
 
 
 class ScriptedRegistry:

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from rosbase.backend import Backend, BackendOptions, Publisher
+from rosbase.contracts.backend import Backend, BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 
 MUTANTS: dict[str, list[type[Backend]]] = {}

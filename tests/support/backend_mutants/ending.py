@@ -5,9 +5,9 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rosbase.backend import BackendOptions, Publisher, Timer
+from rosbase.contracts.backend import BackendOptions, Publisher, Timer
+from rosbase.contracts.imu_sender import ImuSender
 from rosbase.errors import BackendError
-from rosbase.imu_sender import ImuSender
 from rosbase.local import LocalBackend
 from rosbase.messages import Imu, Vector3
 from support.backend_mutants.changed import LEFT_OPEN, Changed, breaks, too_long

@@ -5,12 +5,12 @@ from logging import LogRecord, NullHandler
 
 from attrs import evolve
 
-from rosbase.backend import Backend, BackendOptions, Timer
 from rosbase.clock import SystemClock
+from rosbase.contracts.backend import Backend, BackendOptions, Timer
 from rosbase.errors import BackendError
-from rosbase.executor import Executor
 from rosbase.lifecycle import ManagedNode
 from rosbase.local import LocalBackend
+from rosbase.runtime.executor import Executor
 from support.backend_mutants.changed import breaks
 
 

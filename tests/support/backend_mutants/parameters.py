@@ -2,7 +2,7 @@
 
 from attrs import evolve
 
-from rosbase.backend import BackendOptions
+from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import ParameterError
 from rosbase.local import LocalBackend
 from rosbase.parameters import Parameter, ParameterSpec

@@ -6,7 +6,7 @@ from typing import Any
 
 from attrs import evolve
 
-from rosbase.backend import BackendOptions, Publisher
+from rosbase.contracts.backend import BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 from rosbase.qos import (
     DurabilityPolicy,

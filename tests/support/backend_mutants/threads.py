@@ -5,7 +5,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from rosbase.backend import BackendOptions, Publisher, Subscription, Timer
+from rosbase.contracts.backend import BackendOptions, Publisher, Subscription, Timer
 from rosbase.errors import BackendError
 from rosbase.local import LocalBackend
 from support.backend_mutants.changed import Changed, breaks, too_long

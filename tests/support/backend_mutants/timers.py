@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from rosbase.backend import Timer
+from rosbase.contracts.backend import Timer
 from rosbase.errors import BackendError
 from rosbase.local import LocalBackend
 from support.backend_mutants.changed import breaks

@@ -6,9 +6,9 @@ from typing import Any
 
 from attrs import evolve
 
-from rosbase.backend import BackendOptions, Publisher
+from rosbase.contracts.backend import BackendOptions, Publisher
+from rosbase.contracts.imu_sender import ImuSender
 from rosbase.errors import BackendError
-from rosbase.imu_sender import ImuSender
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Imu
 from support.backend_mutants.changed import Changed, breaks

@@ -5,10 +5,10 @@ from itertools import cycle
 from queue import SimpleQueue
 
 from rosbase.clock import SystemClock
+from rosbase.contracts.transport import OnFrame, TransportState
 from rosbase.errors import TransportError
 from rosbase.plugins import TransportPlugin
 from rosbase.testing import TransportCapabilities
-from rosbase.transport import OnFrame, TransportState
 from support.fifo import PARAMETERS, FifoContract, make_transport
 from support.mutants.mutant import KeepsSubscriber, Wrapped, mutant, wait_for_release
 

@@ -7,7 +7,7 @@ from itertools import cycle
 from attrs import evolve
 
 from rosbase.clock import SystemClock
-from rosbase.transport import OnFrame, TransportHealth, TransportState
+from rosbase.contracts.transport import OnFrame, TransportHealth, TransportState
 from support.mutants.mutant import Wrapped, mutant
 
 SECOND_NS = 1_000_000_000

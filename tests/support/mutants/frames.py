@@ -5,9 +5,15 @@ from typing import Any
 
 from attrs import evolve
 
+from rosbase.contracts.transport import (
+    OnFrame,
+    SimulatedDevice,
+    Transport,
+    TransportContext,
+    TransportHealth,
+)
 from rosbase.framing import Frame, FrameEvent, LineFramer
 from rosbase.testing import TransportCapabilities
-from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext, TransportHealth
 from support.fifo import FifoContract, FifoDevice, FifoPeer, make_transport
 from support.mutants.framers import TrustingLengths
 from support.mutants.mutant import KeepsSubscriber, Wrapped, mutant

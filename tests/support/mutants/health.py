@@ -4,7 +4,7 @@ import threading
 
 from attrs import evolve
 
-from rosbase.transport import OnFrame, TransportHealth, TransportState
+from rosbase.contracts.transport import OnFrame, TransportHealth, TransportState
 from support.mutants.mutant import Wrapped, mutant
 
 

@@ -4,11 +4,11 @@ import threading
 
 from attrs import evolve
 
+from rosbase.contracts.transport import OnFrame, Transport, TransportHealth, TransportState
 from rosbase.device import Device, DeviceTransport
 from rosbase.errors import DeviceNotFoundError, TransportError
 from rosbase.framing import FrameEvent, LineFramer
 from rosbase.logger import RosbaseLogger
-from rosbase.transport import OnFrame, Transport, TransportHealth, TransportState
 from support.fifo import FifoDevice, make_transport
 from support.mutants.mutant import Wrapped, mutant
 

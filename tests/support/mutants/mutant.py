@@ -4,8 +4,8 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rosbase.contracts.transport import OnFrame, Transport, TransportContext, TransportHealth
 from rosbase.parameters import ParameterValue
-from rosbase.transport import OnFrame, Transport, TransportContext, TransportHealth
 from support.fifo import FifoContract, make_transport
 
 __all__ = [

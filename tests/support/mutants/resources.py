@@ -4,10 +4,10 @@ import os
 import threading
 import time
 
+from rosbase.contracts.transport import OnFrame, Transport, TransportState
 from rosbase.device import Device
 from rosbase.errors import DeviceBusyError, TransportError
 from rosbase.framing import FrameEvent, LineFramer
-from rosbase.transport import OnFrame, Transport, TransportState
 from support.fifo import FifoDevice, make_transport
 from support.mutants.losses import Opened
 from support.mutants.mutant import LEAKED, RELEASE, Wrapped, mutant, wait_for_release

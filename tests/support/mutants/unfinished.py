@@ -1,8 +1,8 @@
 """What an author has not written yet, or has got wrong."""
 
+from rosbase.contracts.transport import OnFrame, SimulatedDevice, Transport, TransportContext
 from rosbase.testing import TransportCapabilities
 from rosbase.testing.transport_kit.author import TransportAuthor
-from rosbase.transport import OnFrame, SimulatedDevice, Transport, TransportContext
 from support.fifo import FifoContract, FifoDevice, make_transport
 from support.mutants.mutant import Wrapped, mutant
 

@@ -7,7 +7,7 @@ from imu_udp.config import PARAMETERS, UdpConfig
 from imu_udp.listener import Listener
 from imu_udp.simulator import UdpDevice
 
-from rosbase.errors import DeviceBusyError, DeviceNotFoundError, ParameterError
+from rosbase import DeviceBusyError, DeviceNotFoundError, ParameterError
 
 
 def config(**changes: str) -> UdpConfig:

@@ -5,10 +5,16 @@ from collections.abc import Iterable, Mapping
 from imu_mqtt.config import PASSWORD_VARIABLE, MqttConfig
 from imu_mqtt.connection import Connection
 from imu_mqtt.dialing import RefusedError
-from rosbase.checks import CheckContext, Finding, Outcome
-from rosbase.clock import Clock
-from rosbase.errors import DeviceNotFoundError, ParameterError, TransportError
-from rosbase.parameters import ParameterValue
+from rosbase import (
+    CheckContext,
+    Clock,
+    DeviceNotFoundError,
+    Finding,
+    Outcome,
+    ParameterError,
+    ParameterValue,
+    TransportError,
+)
 
 __all__ = ["check_broker"]
 

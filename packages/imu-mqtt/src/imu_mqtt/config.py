@@ -11,8 +11,7 @@ from urllib.parse import SplitResult, urlsplit
 
 from attrs import field, frozen
 
-from rosbase.errors import ParameterError, TransportError
-from rosbase.parameters import ParameterSpec, ParameterValue
+from rosbase import ParameterError, ParameterSpec, ParameterValue, TransportError
 
 __all__ = ["PARAMETERS", "PASSWORD_VARIABLE", "Address", "MqttConfig"]
 

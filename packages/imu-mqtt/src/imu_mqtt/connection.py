@@ -20,8 +20,7 @@ from paho.mqtt.properties import Properties
 from imu_mqtt.buffered_socket import MOST_PACKET_BYTES, BufferedSocket, SocketWrapper
 from imu_mqtt.config import PASSWORD_VARIABLE, MqttConfig
 from imu_mqtt.dialing import Dial, RefusedError, one_line, tls_context, unreachable
-from rosbase.clock import Clock
-from rosbase.errors import DeviceNotFoundError, TransportError
+from rosbase import Clock, DeviceNotFoundError, TransportError
 
 __all__ = ["Connection", "OnMessage"]
 

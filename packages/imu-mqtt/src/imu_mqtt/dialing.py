@@ -9,8 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from imu_mqtt.config import Address, MqttConfig
-from rosbase.clock import Clock
-from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
+from rosbase import Clock, DeviceNotFoundError, DevicePermissionError, TransportError
 
 __all__ = ["Dial", "RefusedError", "TlsError", "one_line", "tls_context", "unreachable"]
 

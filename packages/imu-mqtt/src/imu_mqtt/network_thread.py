@@ -10,10 +10,7 @@ from imu_mqtt.config import MqttConfig
 from imu_mqtt.connection import Connection
 from imu_mqtt.dialing import RefusedError
 from imu_mqtt.subscription import Subscription
-from rosbase.backoff import Backoff
-from rosbase.errors import TransportError
-from rosbase.transport import Tally, TransportContext
-from rosbase.wake_pipe import WakePipe
+from rosbase import Backoff, Tally, TransportContext, TransportError, WakePipe
 
 __all__ = ["NetworkThread"]
 

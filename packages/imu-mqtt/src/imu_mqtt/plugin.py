@@ -3,10 +3,18 @@
 from collections.abc import Iterable, Mapping
 
 from imu_mqtt.config import PARAMETERS, MqttConfig
-from rosbase.checks import CheckContext, Finding
-from rosbase.parameters import ParameterValue
-from rosbase.plugins import CheckPlugin, PresetPlugin, TransportPlugin, hookimpl
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
+from rosbase import (
+    CheckContext,
+    CheckPlugin,
+    Finding,
+    ParameterValue,
+    PresetPlugin,
+    SimulatedDevice,
+    Transport,
+    TransportContext,
+    TransportPlugin,
+    hookimpl,
+)
 
 __all__ = ["rosbase_checks", "rosbase_presets", "rosbase_transports"]
 

@@ -10,8 +10,7 @@ from typing import Any
 import paho.mqtt.client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
 
-from rosbase.errors import NotInstalledError, TransportError
-from rosbase.parameters import ParameterValue
+from rosbase import NotInstalledError, ParameterValue, TransportError
 
 try:
     from amqtt.broker import Broker

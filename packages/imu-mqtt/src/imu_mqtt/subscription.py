@@ -3,8 +3,7 @@
 import threading
 from collections import deque
 
-from rosbase.errors import TransportError
-from rosbase.transport import OnFrame, Tally, TransportContext, hand_over
+from rosbase import OnFrame, Tally, TransportContext, TransportError, hand_over
 
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
 

@@ -5,12 +5,12 @@ import threading
 from imu_mqtt.config import MqttConfig
 from imu_mqtt.network_thread import NetworkThread
 from imu_mqtt.subscription import Subscription
-from rosbase.errors import TransportError
-from rosbase.transport import (
+from rosbase import (
     OnFrame,
     Tally,
     Transport,
     TransportContext,
+    TransportError,
     TransportHealth,
     TransportState,
 )

@@ -13,8 +13,15 @@ from pathlib import Path
 
 from imu_serial.config import SerialConfig
 from imu_serial.port import Port, group_name, port_names
-from rosbase.checks import CheckContext, Finding, Outcome
-from rosbase.errors import DeviceBusyError, DeviceNotFoundError, NotADeviceError, TransportError
+from rosbase import (
+    CheckContext,
+    DeviceBusyError,
+    DeviceNotFoundError,
+    Finding,
+    NotADeviceError,
+    Outcome,
+    TransportError,
+)
 
 __all__ = ["check_ports"]
 

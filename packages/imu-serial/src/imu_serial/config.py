@@ -5,7 +5,7 @@ from typing import Any
 
 from attrs import frozen
 
-from rosbase.parameters import ParameterSpec, ParameterValue
+from rosbase import ParameterSpec, ParameterValue
 
 __all__ = ["PARAMETERS", "SerialConfig"]
 

@@ -3,12 +3,19 @@
 from collections.abc import Iterable, Mapping
 
 from imu_serial.config import PARAMETERS, SerialConfig
-from rosbase.checks import CheckContext, Finding
-from rosbase.device import DeviceTransport
-from rosbase.framing import LineFramer
-from rosbase.parameters import ParameterValue
-from rosbase.plugins import CheckPlugin, TransportPlugin, hookimpl
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
+from rosbase import (
+    CheckContext,
+    CheckPlugin,
+    DeviceTransport,
+    Finding,
+    LineFramer,
+    ParameterValue,
+    SimulatedDevice,
+    Transport,
+    TransportContext,
+    TransportPlugin,
+    hookimpl,
+)
 
 __all__ = ["rosbase_checks", "rosbase_transports"]
 

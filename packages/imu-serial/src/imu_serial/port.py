@@ -10,7 +10,7 @@ import serial
 from serial.tools import list_ports
 
 from imu_serial.config import SerialConfig
-from rosbase.errors import (
+from rosbase import (
     DeviceBusyError,
     DeviceNotFoundError,
     DevicePermissionError,

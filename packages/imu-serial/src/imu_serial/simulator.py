@@ -6,8 +6,7 @@ import threading
 import tty
 from collections.abc import Mapping
 
-from rosbase.errors import TransportError
-from rosbase.parameters import ParameterValue
+from rosbase import ParameterValue, TransportError
 
 __all__ = ["PtyDevice"]
 

@@ -1,15 +1,118 @@
-"""A framework for robot applications: four roles and a managed lifecycle, with or without ROS."""
+"""A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
+
+Programs and plugins import from here, and from `rosbase.messages`, `rosbase.fsm`,
+`rosbase.lifecycle` and `rosbase.testing`. Where a name is defined may change.
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rosbase.agent import BaseAgent
-    from rosbase.handlers import BaseHandlers
-    from rosbase.lifecycle import CallbackReturn, State
-    from rosbase.lifecycle_node import LifecycleNode
-    from rosbase.manager import BaseManager
-    from rosbase.node import BaseNode
+    from rosbase.clock import (
+        Clock,
+        SystemClock,
+    )
+    from rosbase.contracts.backend import (
+        Backend,
+        BackendOptions,
+        Publisher,
+        Subscription,
+        Timer,
+        timer_period_ns,
+    )
+    from rosbase.contracts.checks import (
+        CheckContext,
+        Finding,
+        Outcome,
+    )
+    from rosbase.contracts.imu_sender import (
+        ImuSender,
+        message_sender,
+    )
+    from rosbase.contracts.sendable import (
+        sendable,
+    )
+    from rosbase.contracts.transport import (
+        OnFrame,
+        SimulatedDevice,
+        Tally,
+        Transport,
+        TransportContext,
+        TransportHealth,
+        TransportState,
+        hand_over,
+    )
+    from rosbase.device import (
+        Device,
+        DeviceTransport,
+        OpenDevice,
+    )
+    from rosbase.errors import (
+        BackendError,
+        ConfigurationError,
+        DeviceBusyError,
+        DeviceNotFoundError,
+        DevicePermissionError,
+        HandshakeTimeoutError,
+        MappingError,
+        NotADeviceError,
+        NotInstalledError,
+        ParameterError,
+        PluginError,
+        RosbaseError,
+        TransitionNotAvailableError,
+        TransportError,
+    )
+    from rosbase.framing import (
+        Frame,
+        FrameError,
+        FrameEvent,
+        Framer,
+        LineFramer,
+    )
+    from rosbase.imu.mapping import (
+        ImuMapping,
+    )
+    from rosbase.imu.reader import (
+        ImuReader,
+    )
+    from rosbase.imu.simulator import (
+        ImuSimulator,
+    )
+    from rosbase.lifecycle import (
+        CallbackReturn,
+        ManagedNode,
+        State,
+        TransitionEvent,
+    )
+    from rosbase.local import LocalBackend
+    from rosbase.logger import (
+        RosbaseLogger,
+        make_logger,
+    )
+    from rosbase.manager import (
+        BaseManager,
+    )
+    from rosbase.parameters import (
+        Parameter,
+        ParameterKind,
+        ParameterSpec,
+        ParameterValue,
+        check_value,
+        parse_text,
+    )
+    from rosbase.plugins import (
+        BackendPlugin,
+        CheckPlugin,
+        CommandPlugin,
+        ConversionPlugin,
+        Descriptor,
+        PluginRegistry,
+        PresetPlugin,
+        TransportPlugin,
+        hookimpl,
+        installed_plugins,
+    )
     from rosbase.processes import (
         RestartPolicy,
         register_multiprocess_nodes,
@@ -20,43 +123,226 @@ if TYPE_CHECKING:
         HistoryPolicy,
         QoSProfile,
         ReliabilityPolicy,
+        as_profile,
+        mismatch,
         qos_profile_sensor_data,
+    )
+    from rosbase.roles.agent import (
+        BaseAgent,
+    )
+    from rosbase.roles.handlers import (
+        BaseHandlers,
+    )
+    from rosbase.roles.lifecycle_node import (
+        Autostart,
+        LifecycleNode,
+        LifecyclePublisher,
+    )
+    from rosbase.roles.node import (
+        BaseNode,
+    )
+    from rosbase.runtime.backoff import (
+        Backoff,
+    )
+    from rosbase.runtime.executor import (
+        Executor,
+        ExecutorTimer,
+    )
+    from rosbase.runtime.queued_subscription import (
+        QueuedSubscription,
+    )
+    from rosbase.runtime.wake_pipe import (
+        WakePipe,
     )
 
 __all__ = [
+    "Autostart",
+    "Backend",
+    "BackendError",
+    "BackendOptions",
+    "BackendPlugin",
+    "Backoff",
     "BaseAgent",
     "BaseHandlers",
     "BaseManager",
     "BaseNode",
     "CallbackReturn",
+    "CheckContext",
+    "CheckPlugin",
+    "Clock",
+    "CommandPlugin",
+    "ConfigurationError",
+    "ConversionPlugin",
+    "Descriptor",
+    "Device",
+    "DeviceBusyError",
+    "DeviceNotFoundError",
+    "DevicePermissionError",
+    "DeviceTransport",
     "DurabilityPolicy",
+    "Executor",
+    "ExecutorTimer",
+    "Finding",
+    "Frame",
+    "FrameError",
+    "FrameEvent",
+    "Framer",
+    "HandshakeTimeoutError",
     "HistoryPolicy",
+    "ImuMapping",
+    "ImuReader",
+    "ImuSender",
+    "ImuSimulator",
     "LifecycleNode",
+    "LifecyclePublisher",
+    "LineFramer",
+    "LocalBackend",
+    "ManagedNode",
+    "MappingError",
+    "NotADeviceError",
+    "NotInstalledError",
+    "OnFrame",
+    "OpenDevice",
+    "Outcome",
+    "Parameter",
+    "ParameterError",
+    "ParameterKind",
+    "ParameterSpec",
+    "ParameterValue",
+    "PluginError",
+    "PluginRegistry",
+    "PresetPlugin",
+    "Publisher",
     "QoSProfile",
+    "QueuedSubscription",
     "ReliabilityPolicy",
     "RestartPolicy",
+    "RosbaseError",
+    "RosbaseLogger",
+    "SimulatedDevice",
     "State",
+    "Subscription",
+    "SystemClock",
+    "Tally",
+    "Timer",
+    "TransitionEvent",
+    "TransitionNotAvailableError",
+    "Transport",
+    "TransportContext",
+    "TransportError",
+    "TransportHealth",
+    "TransportPlugin",
+    "TransportState",
+    "WakePipe",
+    "as_profile",
+    "check_value",
+    "hand_over",
+    "hookimpl",
+    "installed_plugins",
+    "make_logger",
+    "message_sender",
+    "mismatch",
+    "parse_text",
     "qos_profile_sensor_data",
     "register_multiprocess_nodes",
+    "sendable",
     "shutdown_multiprocess_nodes",
+    "timer_period_ns",
 ]
 
 _HOMES = {
-    "BaseAgent": "rosbase.agent",
-    "BaseHandlers": "rosbase.handlers",
+    "Autostart": "rosbase.roles.lifecycle_node",
+    "Backend": "rosbase.contracts.backend",
+    "BackendError": "rosbase.errors",
+    "BackendOptions": "rosbase.contracts.backend",
+    "BackendPlugin": "rosbase.plugins",
+    "Backoff": "rosbase.runtime.backoff",
+    "BaseAgent": "rosbase.roles.agent",
+    "BaseHandlers": "rosbase.roles.handlers",
     "BaseManager": "rosbase.manager",
-    "BaseNode": "rosbase.node",
+    "BaseNode": "rosbase.roles.node",
     "CallbackReturn": "rosbase.lifecycle",
+    "CheckContext": "rosbase.contracts.checks",
+    "CheckPlugin": "rosbase.plugins",
+    "Clock": "rosbase.clock",
+    "CommandPlugin": "rosbase.plugins",
+    "ConfigurationError": "rosbase.errors",
+    "ConversionPlugin": "rosbase.plugins",
+    "Descriptor": "rosbase.plugins",
+    "Device": "rosbase.device",
+    "DeviceBusyError": "rosbase.errors",
+    "DeviceNotFoundError": "rosbase.errors",
+    "DevicePermissionError": "rosbase.errors",
+    "DeviceTransport": "rosbase.device",
     "DurabilityPolicy": "rosbase.qos",
+    "Executor": "rosbase.runtime.executor",
+    "ExecutorTimer": "rosbase.runtime.executor",
+    "Finding": "rosbase.contracts.checks",
+    "Frame": "rosbase.framing",
+    "FrameError": "rosbase.framing",
+    "FrameEvent": "rosbase.framing",
+    "Framer": "rosbase.framing",
+    "HandshakeTimeoutError": "rosbase.errors",
     "HistoryPolicy": "rosbase.qos",
-    "LifecycleNode": "rosbase.lifecycle_node",
+    "ImuMapping": "rosbase.imu.mapping",
+    "ImuReader": "rosbase.imu.reader",
+    "ImuSender": "rosbase.contracts.imu_sender",
+    "ImuSimulator": "rosbase.imu.simulator",
+    "LifecycleNode": "rosbase.roles.lifecycle_node",
+    "LifecyclePublisher": "rosbase.roles.lifecycle_node",
+    "LineFramer": "rosbase.framing",
+    "LocalBackend": "rosbase.local",
+    "ManagedNode": "rosbase.lifecycle",
+    "MappingError": "rosbase.errors",
+    "NotADeviceError": "rosbase.errors",
+    "NotInstalledError": "rosbase.errors",
+    "OnFrame": "rosbase.contracts.transport",
+    "OpenDevice": "rosbase.device",
+    "Outcome": "rosbase.contracts.checks",
+    "Parameter": "rosbase.parameters",
+    "ParameterError": "rosbase.errors",
+    "ParameterKind": "rosbase.parameters",
+    "ParameterSpec": "rosbase.parameters",
+    "ParameterValue": "rosbase.parameters",
+    "PluginError": "rosbase.errors",
+    "PluginRegistry": "rosbase.plugins",
+    "PresetPlugin": "rosbase.plugins",
+    "Publisher": "rosbase.contracts.backend",
     "QoSProfile": "rosbase.qos",
+    "QueuedSubscription": "rosbase.runtime.queued_subscription",
     "ReliabilityPolicy": "rosbase.qos",
     "RestartPolicy": "rosbase.processes",
+    "RosbaseError": "rosbase.errors",
+    "RosbaseLogger": "rosbase.logger",
+    "SimulatedDevice": "rosbase.contracts.transport",
     "State": "rosbase.lifecycle",
+    "Subscription": "rosbase.contracts.backend",
+    "SystemClock": "rosbase.clock",
+    "Tally": "rosbase.contracts.transport",
+    "Timer": "rosbase.contracts.backend",
+    "TransitionEvent": "rosbase.lifecycle",
+    "TransitionNotAvailableError": "rosbase.errors",
+    "Transport": "rosbase.contracts.transport",
+    "TransportContext": "rosbase.contracts.transport",
+    "TransportError": "rosbase.errors",
+    "TransportHealth": "rosbase.contracts.transport",
+    "TransportPlugin": "rosbase.plugins",
+    "TransportState": "rosbase.contracts.transport",
+    "WakePipe": "rosbase.runtime.wake_pipe",
+    "as_profile": "rosbase.qos",
+    "check_value": "rosbase.parameters",
+    "hand_over": "rosbase.contracts.transport",
+    "hookimpl": "rosbase.plugins",
+    "installed_plugins": "rosbase.plugins",
+    "make_logger": "rosbase.logger",
+    "message_sender": "rosbase.contracts.imu_sender",
+    "mismatch": "rosbase.qos",
+    "parse_text": "rosbase.parameters",
     "qos_profile_sensor_data": "rosbase.qos",
     "register_multiprocess_nodes": "rosbase.processes",
+    "sendable": "rosbase.contracts.sendable",
     "shutdown_multiprocess_nodes": "rosbase.processes",
+    "timer_period_ns": "rosbase.contracts.backend",
 }
 
 
@@ -67,3 +353,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

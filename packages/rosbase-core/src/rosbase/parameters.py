@@ -24,6 +24,7 @@ __all__ = [
 ]
 
 ParameterValue: TypeAlias = bool | int | float | str | list[float] | list[str]
+"""What a parameter can be."""
 
 
 class ParameterKind(Enum):

@@ -8,22 +8,23 @@ import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
-from rosbase.backend import (
+from rosbase import (
     Backend,
+    BackendError,
     BackendOptions,
+    ImuSender,
+    ManagedNode,
+    Parameter,
+    ParameterSpec,
     Publisher,
     Subscription,
+    SystemClock,
     Timer,
+    installed_plugins,
+    make_logger,
     timer_period_ns,
 )
-from rosbase.clock import SystemClock
-from rosbase.errors import BackendError
-from rosbase.imu_sender import ImuSender
-from rosbase.lifecycle import ManagedNode
-from rosbase.logger import make_logger
 from rosbase.messages import Imu
-from rosbase.parameters import Parameter, ParameterSpec
-from rosbase.plugins import installed_plugins
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import Retirement, await_delivery

@@ -95,7 +95,7 @@ class MagneticFieldEncoder:
 def sample_packer(template: Imu) -> Callable[..., bytes]:
     """What packs samples that are like the template but for their stamp and their numbers.
 
-    It takes what `rosbase.imu_sender.ImuSender` does, and like that checks nothing again.
+    It takes what `rosbase.ImuSender` does, and like that checks nothing again.
 
     Raises:
         TypeError: a field of the template has a value of the wrong kind.

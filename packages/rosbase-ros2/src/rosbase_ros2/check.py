@@ -9,7 +9,7 @@ from pathlib import Path
 
 from attrs import frozen
 
-from rosbase.checks import Finding, Outcome
+from rosbase import Finding, Outcome
 from rosbase_ros2.imports import NO_SUCH_MIDDLEWARE, no_such_middleware
 
 __all__ = ["check_ros"]

@@ -3,7 +3,7 @@
 import time
 from typing import Any
 
-from rosbase.clock import SystemClock
+from rosbase import SystemClock
 from rosbase.messages import Time
 
 __all__ = ["RosClock"]

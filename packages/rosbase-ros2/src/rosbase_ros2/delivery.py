@@ -12,7 +12,7 @@ from rclpy.clock import ClockType
 from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
 
-from rosbase.clock import Clock
+from rosbase import Clock
 
 __all__ = ["Retirement", "await_delivery"]
 

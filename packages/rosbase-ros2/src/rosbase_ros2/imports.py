@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from rosbase.errors import NotInstalledError
+from rosbase import NotInstalledError
 
 __all__ = ["NO_SUCH_MIDDLEWARE", "check_rclpy", "explain", "no_such_middleware"]
 

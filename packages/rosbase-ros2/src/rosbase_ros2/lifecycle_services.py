@@ -18,16 +18,15 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
-from rosbase.errors import TransitionNotAvailableError
-from rosbase.lifecycle import (
-    TRANSITIONS,
+from rosbase import (
     CallbackReturn,
     ManagedNode,
+    RosbaseLogger,
     State,
-    Transition,
     TransitionEvent,
+    TransitionNotAvailableError,
 )
-from rosbase.logger import RosbaseLogger
+from rosbase.lifecycle import TRANSITIONS, Transition
 
 __all__ = ["LifecycleServices"]
 

@@ -10,8 +10,7 @@ from rcl_interfaces.msg import (
 )
 from rclpy.parameter import Parameter as RosParameter
 
-from rosbase.errors import ParameterError
-from rosbase.parameters import Parameter, ParameterKind, ParameterSpec, check_value
+from rosbase import Parameter, ParameterError, ParameterKind, ParameterSpec, check_value
 
 __all__ = ["RosParameters"]
 

@@ -2,9 +2,15 @@
 
 from collections.abc import Iterable
 
-from rosbase.backend import Backend, BackendOptions
-from rosbase.checks import CheckContext, Finding
-from rosbase.plugins import BackendPlugin, CheckPlugin, hookimpl
+from rosbase import (
+    Backend,
+    BackendOptions,
+    BackendPlugin,
+    CheckContext,
+    CheckPlugin,
+    Finding,
+    hookimpl,
+)
 
 __all__ = ["rosbase_backends", "rosbase_checks"]
 

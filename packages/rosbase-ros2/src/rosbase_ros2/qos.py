@@ -5,7 +5,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from rosbase.qos import as_profile
+from rosbase import as_profile
 
 __all__ = ["queue_depth", "to_profile"]
 

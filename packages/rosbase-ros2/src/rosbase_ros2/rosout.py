@@ -11,7 +11,7 @@ from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rosbase.sendable import sendable
+from rosbase import sendable
 
 __all__ = ["RosoutHandler"]
 

@@ -13,7 +13,7 @@ from typing import Any
 from rclpy.clock import JumpThreshold
 from rclpy.duration import Duration
 
-from rosbase.executor import ExecutorTimer
+from rosbase import ExecutorTimer
 from rosbase_ros2.clock import RosClock
 
 __all__ = ["RosTimer", "Timers"]

@@ -5,9 +5,8 @@ from typing import Any
 
 from rclpy.exceptions import InvalidHandle
 
-from rosbase.imu_sender import ImuSender
+from rosbase import ImuSender, QueuedSubscription
 from rosbase.messages import Imu, MagneticField
-from rosbase.queued_subscription import QueuedSubscription
 from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
 from rosbase_ros2.conversion import Converter
 from rosbase_ros2.kinds import name_of

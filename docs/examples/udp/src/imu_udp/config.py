@@ -5,8 +5,7 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
-from rosbase.errors import ParameterError
-from rosbase.parameters import ParameterSpec, ParameterValue
+from rosbase import ParameterError, ParameterSpec, ParameterValue
 
 __all__ = ["PARAMETERS", "UdpConfig"]
 

@@ -4,12 +4,7 @@ import errno
 import socket
 
 from imu_udp.config import UdpConfig
-from rosbase.errors import (
-    DeviceBusyError,
-    DeviceNotFoundError,
-    DevicePermissionError,
-    TransportError,
-)
+from rosbase import DeviceBusyError, DeviceNotFoundError, DevicePermissionError, TransportError
 
 __all__ = ["Listener"]
 
@@ -25,7 +20,7 @@ _REASONS: dict[int | None, tuple[type[TransportError], str]] = {
 
 
 class Listener:
-    """A port that datagrams arrive at: a `rosbase.device.Device`."""
+    """A port that datagrams arrive at: a `rosbase.Device`."""
 
     def __init__(self, config: UdpConfig) -> None:
         """Opens it.

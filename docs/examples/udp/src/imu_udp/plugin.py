@@ -3,10 +3,15 @@
 from collections.abc import Iterable, Mapping
 
 from imu_udp.config import PARAMETERS, UdpConfig
-from rosbase.device import DeviceTransport
-from rosbase.parameters import ParameterValue
-from rosbase.plugins import TransportPlugin, hookimpl
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
+from rosbase import (
+    DeviceTransport,
+    ParameterValue,
+    SimulatedDevice,
+    Transport,
+    TransportContext,
+    TransportPlugin,
+    hookimpl,
+)
 
 __all__ = ["rosbase_transports"]
 

@@ -3,14 +3,13 @@
 import socket
 from collections.abc import Mapping
 
-from rosbase.errors import TransportError
-from rosbase.parameters import ParameterValue
+from rosbase import ParameterValue, TransportError
 
 __all__ = ["UdpDevice"]
 
 
 class UdpDevice:
-    """A device on the loopback interface: a `rosbase.transport.SimulatedDevice`."""
+    """A device on the loopback interface: a `rosbase.SimulatedDevice`."""
 
     def __init__(self) -> None:
         """Chooses a port that nobody uses."""

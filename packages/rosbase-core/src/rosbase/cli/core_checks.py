@@ -4,12 +4,12 @@ import platform
 import sys
 from collections.abc import Iterable
 
-from rosbase.checks import Finding, Outcome
 from rosbase.cli.list_plugins import what_of
-from rosbase.connection import BACKEND_VARIABLE, backend_name
+from rosbase.contracts.checks import Finding, Outcome
 from rosbase.errors import NotInstalledError
 from rosbase.imu.settings import judged_plugins
 from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, PluginRegistry
+from rosbase.roles.connection import BACKEND_VARIABLE, backend_name
 
 __all__ = ["check_plugins", "check_python"]
 

@@ -6,10 +6,10 @@ import sys
 from contextlib import nullcontext, redirect_stdout
 from typing import Any
 
-from rosbase.checks import CheckContext, Finding, Outcome
 from rosbase.cli.arguments import add_parameters, check_given, read_given
 from rosbase.cli.examination import examine
 from rosbase.clock import SystemClock
+from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.imu.settings import reader_parameters
 from rosbase.plugins import PluginRegistry, installed_plugins
 

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Iterator
 
-from rosbase.checks import CheckContext, Finding, Outcome
+from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.errors import PluginError
 from rosbase.plugins import BLOCK_VARIABLE, CheckPlugin, PluginRecord, PluginRegistry
 

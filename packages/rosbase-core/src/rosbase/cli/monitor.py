@@ -7,9 +7,9 @@ from typing import Any, cast
 
 import attrs
 
-from rosbase.histogram import Histogram
 from rosbase.messages import Imu, MagneticField
-from rosbase.node import BaseNode
+from rosbase.roles.node import BaseNode
+from rosbase.runtime.histogram import Histogram
 
 __all__ = ["SampleMonitor", "message_to_json"]
 

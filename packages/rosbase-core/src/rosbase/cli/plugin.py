@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from rosbase.checks import CheckContext, Finding
+from rosbase.contracts.checks import CheckContext, Finding
 from rosbase.plugins import CheckPlugin, CommandPlugin, hookimpl, installed_plugins
 
 __all__ = ["rosbase_checks", "rosbase_commands"]

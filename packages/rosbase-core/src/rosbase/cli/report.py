@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from rosbase.histogram import Histogram
 from rosbase.imu.health import HealthLevel
 from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import State
 from rosbase.messages import Imu, MagneticField
+from rosbase.runtime.histogram import Histogram
 
 __all__ = ["status_line", "summary_lines"]
 

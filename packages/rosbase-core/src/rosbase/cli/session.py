@@ -4,19 +4,19 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from rosbase.backend import BackendOptions
 from rosbase.cli.console import LiveLine
 from rosbase.cli.monitor import SampleMonitor
 from rosbase.cli.output import Output
 from rosbase.cli.report import status_line, summary_lines
-from rosbase.connection import open_backend
-from rosbase.handlers import BaseHandlers
-from rosbase.histogram import Histogram
+from rosbase.contracts.backend import BackendOptions
 from rosbase.imu.reader import DEFAULT_NODE_NAME, ImuReader
 from rosbase.lifecycle import State
 from rosbase.manager import BaseManager
-from rosbase.node import BaseNode
 from rosbase.parameters import ParameterValue
+from rosbase.roles.connection import open_backend
+from rosbase.roles.handlers import BaseHandlers
+from rosbase.roles.node import BaseNode
+from rosbase.runtime.histogram import Histogram
 
 __all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
 

@@ -3,12 +3,12 @@
 import select
 import threading
 
-from rosbase.backoff import Backoff
+from rosbase.contracts.transport import OnFrame, Tally, TransportContext, hand_over
 from rosbase.device.device import Device, OpenDevice, give_back
 from rosbase.errors import TransportError
 from rosbase.framing import Frame, Framer
-from rosbase.transport import OnFrame, Tally, TransportContext, hand_over
-from rosbase.wake_pipe import WakePipe
+from rosbase.runtime.backoff import Backoff
+from rosbase.runtime.wake_pipe import WakePipe
 
 __all__ = ["ReaderThread"]
 

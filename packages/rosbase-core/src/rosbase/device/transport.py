@@ -2,11 +2,7 @@
 
 import threading
 
-from rosbase.device.device import Device, OpenDevice, give_back
-from rosbase.device.reader_thread import ReaderThread
-from rosbase.errors import TransportError
-from rosbase.framing import Framer
-from rosbase.transport import (
+from rosbase.contracts.transport import (
     OnFrame,
     Tally,
     Transport,
@@ -14,6 +10,10 @@ from rosbase.transport import (
     TransportHealth,
     TransportState,
 )
+from rosbase.device.device import Device, OpenDevice, give_back
+from rosbase.device.reader_thread import ReaderThread
+from rosbase.errors import TransportError
+from rosbase.framing import Framer
 
 __all__ = ["STOP_TIMEOUT_S", "DeviceTransport"]
 

@@ -23,6 +23,7 @@ class FrameError(NamedTuple):
 
 
 FrameEvent: TypeAlias = Frame | FrameError
+"""What a framer gives."""
 
 
 class Framer(Protocol):

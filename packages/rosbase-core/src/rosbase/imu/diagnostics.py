@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from typing import Protocol
 
-from rosbase.backend import Backend
 from rosbase.clock import Clock
+from rosbase.contracts.backend import Backend
+from rosbase.contracts.sendable import sendable
+from rosbase.contracts.transport import TransportHealth
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.health import Health
 from rosbase.imu.settings import ReaderSettings
 from rosbase.lifecycle import CallbackReturn, State, TransitionEvent
 from rosbase.messages import DiagnosticArray, DiagnosticStatus, Header, KeyValue
-from rosbase.sendable import sendable
-from rosbase.transport import TransportHealth
 
 __all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
 

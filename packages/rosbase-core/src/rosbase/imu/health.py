@@ -4,9 +4,9 @@ from enum import IntEnum
 
 from attrs import frozen
 
+from rosbase.contracts.transport import TransportHealth, TransportState
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.rejects import REASONS
-from rosbase.transport import TransportHealth, TransportState
 
 __all__ = ["Health", "HealthLevel", "judge_health"]
 

@@ -3,9 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
+from rosbase.contracts.imu_sender import ImuSender
 from rosbase.imu.mapping import Sample
-from rosbase.imu_sender import ImuSender
-from rosbase.lifecycle_node import LifecyclePublisher
 from rosbase.messages import (
     COVARIANCE_NOT_REPORTED,
     Covariance,
@@ -15,6 +14,7 @@ from rosbase.messages import (
     Time,
     Vector3,
 )
+from rosbase.roles.lifecycle_node import LifecyclePublisher
 
 __all__ = ["Outlet", "Publishers"]
 

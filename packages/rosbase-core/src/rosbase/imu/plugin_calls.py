@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.errors import ConfigurationError, NotInstalledError, RosbaseError
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import TransportPlugin
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = ["finished", "make_transport", "simulate"]
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import attrs
 
-from rosbase.backend import Timer
+from rosbase.contracts.backend import Timer
+from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.date_order import DateOrder
@@ -18,10 +19,9 @@ from rosbase.imu.plugin_calls import finished, make_transport
 from rosbase.imu.rejects import IGNORED, REASONS, Reject
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
-from rosbase.lifecycle_node import LifecycleNode, LifecyclePublisher
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import PluginRegistry, installed_plugins
-from rosbase.transport import Transport, TransportContext, TransportHealth
+from rosbase.roles.lifecycle_node import LifecycleNode, LifecyclePublisher
 
 __all__ = ["DEFAULT_NODE_NAME", "ImuReader"]
 

@@ -3,10 +3,10 @@
 import threading
 
 from rosbase.clock import Clock, SystemClock
+from rosbase.contracts.transport import SimulatedDevice
 from rosbase.errors import TransportError
 from rosbase.imu.motion import motion_at
 from rosbase.messages import Time
-from rosbase.transport import SimulatedDevice
 
 __all__ = ["ImuSimulator", "payload_at"]
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from rosbase.backend import Backend, BackendOptions, Publisher, Subscription
+from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.errors import BackendError, ParameterError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription

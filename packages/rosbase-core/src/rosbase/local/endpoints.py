@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from rosbase.qos import QoSProfile
-from rosbase.queued_subscription import QueuedSubscription
+from rosbase.runtime.queued_subscription import QueuedSubscription
 
 __all__ = [
     "BusLink",

@@ -15,11 +15,11 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from rosbase.clock import SystemClock
-from rosbase.executor import Executor
 from rosbase.local.bus import Bus
 from rosbase.local.endpoints import Channel, LocalSubscription
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile
+from rosbase.runtime.executor import Executor
 
 __all__ = ["Link"]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from rosbase.backend import Backend, BackendOptions
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.plugins import BackendPlugin, hookimpl
 
 __all__ = ["rosbase_backends"]

@@ -4,27 +4,27 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from rosbase.agent import BaseAgent
-from rosbase.backend import Backend, BackendOptions
-from rosbase.connection import open_backend
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
-from rosbase.handlers import BaseHandlers
-from rosbase.lifecycle_node import LifecycleNode
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.manager.bringup import bring_up, take_down
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
-from rosbase.node import BaseNode
 from rosbase.processes import (
     ChildProcesses,
     register_multiprocess_nodes,
     shutdown_multiprocess_nodes,
     shutdown_unclaimed,
 )
-from rosbase.rate import LoopStats, Rate
-from rosbase.shutdown import run_steps
-from rosbase.stopping import stop_on_signals
+from rosbase.roles.agent import BaseAgent
+from rosbase.roles.connection import open_backend
+from rosbase.roles.handlers import BaseHandlers
+from rosbase.roles.lifecycle_node import LifecycleNode
+from rosbase.roles.node import BaseNode
+from rosbase.roles.shutdown import run_steps
+from rosbase.runtime.rate import LoopStats, Rate
+from rosbase.runtime.stopping import stop_on_signals
 
 # Programs written for ros_base import the two functions from here.
 __all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_nodes"]

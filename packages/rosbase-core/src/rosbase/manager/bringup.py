@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from rosbase.lifecycle_node import LifecycleNode
+from rosbase.roles.lifecycle_node import LifecycleNode
 
 __all__ = ["bring_up", "take_down"]
 

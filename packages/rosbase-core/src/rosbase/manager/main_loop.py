@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from rosbase.executor import Executor
-from rosbase.rate import LoopStats, Rate
+from rosbase.runtime.executor import Executor
+from rosbase.runtime.rate import LoopStats, Rate
 
 __all__ = ["run_main_loop"]
 

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, TypeAlias
 from attrs import Attribute, field, frozen, validators
 
 from rosbase import messages
-from rosbase.backend import Backend, BackendOptions
-from rosbase.checks import CheckContext, Finding
+from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.contracts.checks import CheckContext, Finding
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.parameters import ParameterSpec, ParameterValue
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = [
     "BackendPlugin",
@@ -144,10 +144,11 @@ class CheckPlugin:
     summary: str = field(validator=validators.instance_of(str))
     """What is looked at, in half a line."""
     run: Callable[[CheckContext], Iterable[Finding]] = field(validator=validators.is_callable())
-    """Looks, on a thread of its own; `rosbase.checks` says what it may do. Only here is imported
-    what it needs."""
+    """Looks, on a thread of its own; `contracts/checks.py` says what it may do. Only here is
+    imported what it needs."""
 
 
 Descriptor: TypeAlias = (
     BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin | ConversionPlugin | CheckPlugin
 )
+"""Any of the classes that a hook yields."""

@@ -10,10 +10,10 @@ from multiprocessing.connection import Connection
 from types import FrameType
 from typing import Any
 
-from rosbase.connection import name_lone_nodes
 from rosbase.local import process_bus
 from rosbase.local.link import Link
 from rosbase.processes.registration import refuse_registration
+from rosbase.roles.connection import name_lone_nodes
 
 __all__ = ["main"]
 

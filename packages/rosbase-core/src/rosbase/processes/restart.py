@@ -4,7 +4,7 @@ from typing import Literal, TypeAlias
 
 from attrs import field, frozen, validators
 
-from rosbase.backoff import Backoff
+from rosbase.runtime.backoff import Backoff
 
 __all__ = ["RestartPolicy", "RestartWhen", "Restarts"]
 

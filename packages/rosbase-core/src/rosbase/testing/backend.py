@@ -1,7 +1,7 @@
 """A backend in virtual time."""
 
-from rosbase.backend import BackendOptions
 from rosbase.clock import Clock
+from rosbase.contracts.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
 from rosbase.parameters import ParameterValue
 from rosbase.testing.clock import ManualClock

@@ -5,7 +5,7 @@ from collections import deque
 
 from rosbase.device import Device, OpenDevice
 from rosbase.errors import TransportError
-from rosbase.wake_pipe import WakePipe
+from rosbase.runtime.wake_pipe import WakePipe
 
 __all__ = ["Faults"]
 

@@ -4,7 +4,7 @@ import threading
 from typing import NamedTuple
 
 from rosbase.clock import Clock, SystemClock
-from rosbase.transport import OnFrame
+from rosbase.contracts.transport import OnFrame
 
 __all__ = ["Received", "RecordingSubscriber"]
 

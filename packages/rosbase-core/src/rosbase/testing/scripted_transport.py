@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping
 
-from rosbase.errors import TransportError
-from rosbase.parameters import ParameterValue
-from rosbase.transport import (
+from rosbase.contracts.transport import (
     OnFrame,
     Transport,
     TransportContext,
     TransportHealth,
     TransportState,
 )
+from rosbase.errors import TransportError
+from rosbase.parameters import ParameterValue
 
 __all__ = ["ScriptedTransport"]
 

@@ -3,7 +3,7 @@
 import threading
 from typing import Any
 
-from rosbase.backend import Backend
+from rosbase.contracts.backend import Backend
 from rosbase.errors import BackendError
 from rosbase.messages import Imu, String
 from rosbase.testing.backend_kit.promises import promise

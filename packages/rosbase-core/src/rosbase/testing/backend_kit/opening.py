@@ -2,10 +2,10 @@
 
 import logging
 
-from rosbase.backend import Backend
-from rosbase.executor import Executor
+from rosbase.contracts.backend import Backend
 from rosbase.lifecycle import State
-from rosbase.lifecycle_node import LifecycleNode
+from rosbase.roles.lifecycle_node import LifecycleNode
+from rosbase.runtime.executor import Executor
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig
 from rosbase.testing.clock import ManualClock

@@ -4,7 +4,7 @@ import threading
 from functools import partial
 from typing import Any
 
-from rosbase.backend import Backend
+from rosbase.contracts.backend import Backend
 from rosbase.errors import BackendError
 from rosbase.messages import String, Vector3
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy

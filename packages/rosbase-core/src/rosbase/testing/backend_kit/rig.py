@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from attrs import frozen
 
-from rosbase.backend import Backend, BackendOptions
 from rosbase.clock import Clock, SystemClock
+from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.messages import Vector3
 from rosbase.parameters import ParameterValue
 from rosbase.qos import QoSProfile

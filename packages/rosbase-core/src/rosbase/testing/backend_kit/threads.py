@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 
-from rosbase.backend import Backend
+from rosbase.contracts.backend import Backend
 from rosbase.messages import Vector3
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig

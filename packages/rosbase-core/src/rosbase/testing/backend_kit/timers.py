@@ -5,8 +5,8 @@ from functools import partial
 from itertools import pairwise
 from statistics import median
 
-from rosbase.backend import Backend
 from rosbase.clock import Clock, SystemClock
+from rosbase.contracts.backend import Backend
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig
 from rosbase.testing.clock import ManualClock

@@ -7,9 +7,9 @@ from typing import Any
 from attrs import asdict, has
 
 from rosbase import messages
-from rosbase.backend import Backend
+from rosbase.contracts.backend import Backend
+from rosbase.contracts.imu_sender import message_sender
 from rosbase.errors import BackendError
-from rosbase.imu_sender import message_sender
 from rosbase.messages import Header, Imu, String, Time, Vector3
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig, Listener

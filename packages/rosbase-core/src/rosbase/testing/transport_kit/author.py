@@ -2,10 +2,10 @@
 
 from typing import ClassVar
 
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.plugins import TransportPlugin, installed_plugins
 from rosbase.testing.transport_kit.capabilities import TransportCapabilities
 from rosbase.testing.transport_kit.promises import FACTORY, PEER
-from rosbase.transport import SimulatedDevice, Transport, TransportContext
 
 __all__ = ["TransportAuthor"]
 

@@ -8,6 +8,7 @@ from typing import cast
 from attrs import frozen
 
 from rosbase.clock import Clock, SystemClock
+from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext, TransportState
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import ParameterValue
 from rosbase.testing.promise import BrokenPromiseError, Promise
@@ -20,7 +21,6 @@ from rosbase.testing.transport_kit.flood import Flood
 from rosbase.testing.transport_kit.guarded_peer import GuardedPeer
 from rosbase.testing.transport_kit.guarded_transport import GuardedTransport, Limits
 from rosbase.testing.transport_kit.promises import CALLS, FACTORY, PEER, PEER_ABILITIES
-from rosbase.transport import SimulatedDevice, Transport, TransportContext, TransportState
 
 __all__ = ["Bench"]
 

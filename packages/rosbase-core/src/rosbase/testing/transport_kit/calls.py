@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
+from rosbase.contracts.transport import Transport, TransportState
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.resources import descriptors, threads
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.capabilities import ABILITIES
 from rosbase.testing.transport_kit.check import check
-from rosbase.transport import Transport, TransportState
 
 __all__ = ["CallChecks"]
 

@@ -5,8 +5,8 @@ from typing import Protocol
 
 from attrs import field, frozen
 
+from rosbase.contracts.transport import SimulatedDevice
 from rosbase.parameters import ParameterValue
-from rosbase.transport import SimulatedDevice
 
 __all__ = ["ABILITIES", "FullPeer", "TransportCapabilities"]
 

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+from rosbase.contracts.transport import TransportState
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
@@ -9,7 +10,6 @@ from rosbase.testing.transport_kit.check import check
 from rosbase.testing.transport_kit.clocks import FailingClock, ShiftedClock
 from rosbase.testing.transport_kit.guarded_peer import GuardedPeer
 from rosbase.testing.transport_kit.guarded_transport import GuardedTransport
-from rosbase.transport import TransportState
 
 __all__ = ["DeliveryChecks"]
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from attrs import frozen
 
+from rosbase.contracts.transport import OnFrame, Transport, TransportHealth, TransportState
 from rosbase.errors import TransportError
 from rosbase.testing.promise import Promise
 from rosbase.testing.seen import not_written, raised
 from rosbase.testing.transport_kit.caller import Caller, StillRunningError
 from rosbase.testing.transport_kit.promises import CALLS
-from rosbase.transport import OnFrame, Transport, TransportHealth, TransportState
 
 __all__ = ["GuardedTransport", "Limits"]
 

@@ -1,10 +1,10 @@
 """Health and is_open say what is so, at once."""
 
+from rosbase.contracts.transport import TransportState
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
-from rosbase.transport import TransportState
 
 __all__ = ["HealthChecks"]
 

@@ -12,12 +12,12 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
+from rosbase.contracts.transport import TransportState
 from rosbase.testing.promise import BrokenPromiseError
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
-from rosbase.transport import TransportState
 
 __all__ = ["HistoryChecks", "Machine"]
 

@@ -18,7 +18,7 @@ PEER_ABILITIES = Promise(
 )
 FACTORY = Promise(
     "a-transport-is-made",
-    "make_transport gives a rosbase.transport.Transport.",
+    "make_transport gives a rosbase.Transport.",
     PAGE,
 )
 CALLS = Promise(

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from rosbase.context import Component, ManagerContext
 from rosbase.logger import RosbaseLogger
+from rosbase.roles.context import Component, ManagerContext
 
 __all__ = ["BaseHandlers"]
 

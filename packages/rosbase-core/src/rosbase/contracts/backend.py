@@ -53,12 +53,12 @@ from typing import Any, Protocol, TypeVar
 from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
-from rosbase.executor import Executor, ExecutorTimer
-from rosbase.imu_sender import ImuSender, message_sender
+from rosbase.contracts.imu_sender import ImuSender, message_sender
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.qos import QoSProfile
+from rosbase.runtime.executor import Executor, ExecutorTimer
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer", "timer_period_ns"]
 

@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol
 
-from rosbase.backend import Backend
+from rosbase.contracts.backend import Backend
 
 __all__ = ["Component", "ManagerContext"]
 

@@ -3,15 +3,15 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from rosbase.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.clock import Clock
-from rosbase.connection import lone_node_name, open_backend
-from rosbase.context import Component, ManagerContext
+from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.qos import QoSProfile
-from rosbase.shutdown import run_steps
-from rosbase.stopping import stop_on_signals
+from rosbase.roles.connection import lone_node_name, open_backend
+from rosbase.roles.context import Component, ManagerContext
+from rosbase.roles.shutdown import run_steps
+from rosbase.runtime.stopping import stop_on_signals
 
 __all__ = ["BaseNode"]
 

@@ -4,8 +4,8 @@ from abc import ABC, abstractmethod
 from typing import Any
 
 from rosbase.clock import Clock, SystemClock
-from rosbase.context import Component, ManagerContext
 from rosbase.logger import RosbaseLogger
+from rosbase.roles.context import Component, ManagerContext
 
 __all__ = ["BaseAgent"]
 

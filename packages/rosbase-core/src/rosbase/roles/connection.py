@@ -4,7 +4,7 @@ import os
 
 from attrs import evolve
 
-from rosbase.backend import Backend, BackendOptions
+from rosbase.contracts.backend import Backend, BackendOptions
 
 __all__ = [
     "BACKEND_VARIABLE",

@@ -4,7 +4,7 @@ import threading
 from fractions import Fraction
 from operator import sub
 
-from rosbase.histogram import Histogram
+from rosbase.runtime.histogram import Histogram
 
 __all__ = ["LoopStats", "Rate"]
 

@@ -4,11 +4,11 @@ import threading
 from collections.abc import Callable
 from typing import Any, Literal, TypeAlias, TypeVar
 
-from rosbase.backend import Publisher
+from rosbase.contracts.backend import Publisher
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
-from rosbase.node import BaseNode
 from rosbase.qos import QoSProfile
+from rosbase.roles.node import BaseNode
 
 __all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
 

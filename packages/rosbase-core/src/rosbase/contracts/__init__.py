@@ -1,0 +1,1 @@
+"""The contracts: what a backend, a transport and a check must and may implement."""
