@@ -62,9 +62,7 @@ def test_each_level_has_a_method_that_can_say_it_once(
         getattr(logger, level)("each time")
         getattr(logger, level)("one time", once=True)
     assert records.messages == ["each time", "one time", "each time"]
-    assert {(r.levelname, r.name) for r in records.records} == {
-        (level.upper(), "rosbase.node")
-    }
+    assert {(r.levelname, r.name) for r in records.records} == {(level.upper(), "rosbase.node")}
 
 
 def test_what_is_said_once_or_is_important_is_info_unless_a_level_is_named(

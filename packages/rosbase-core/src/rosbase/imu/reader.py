@@ -9,14 +9,11 @@ from rosbase.contracts.backend import Timer
 from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
-from rosbase.imu.date_order import DateOrder
 from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel, judge_health
-from rosbase.imu.mapping import SampleReader
 from rosbase.imu.outlet import Outlet, Publishers
-from rosbase.imu.plausibility import Plausibility
+from rosbase.imu.pipeline import Pipeline
 from rosbase.imu.plugin_calls import finished, make_transport
-from rosbase.imu.rejects import IGNORED, REASONS, Reject
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.parameters import ParameterValue
@@ -30,7 +27,6 @@ DEFAULT_NODE_NAME = "lifecycle_manager"
 # Ten seconds of a fast IMU, for a subscriber that stalls.
 _DEPTH = 10_000
 _HEALTH_PERIOD_S = 0.5
-_REJECT_LOG_S = 5.0
 _NO_DEFAULTS: Mapping[str, ParameterValue] = {}
 
 
@@ -77,12 +73,11 @@ class ImuReader(LifecycleNode):
         self._counts = Counts()
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
-        self._outlet: Outlet | None = None
+        self._pipeline: Pipeline | None = None
         self._before = self.counts
         self._monitor: Timer | None = None
         self._activated_ns = 0
         self._health = Health(HealthLevel.OK, "not active")
-        self._prepare(self._settings)
         self.add_transition_listener(Diagnostics(self, self._backend).note)
 
     # What users look at.
@@ -122,23 +117,24 @@ class ImuReader(LifecycleNode):
             self.last_error = error
             return CallbackReturn.FAILURE
         self._replace_transport(transport)
-        self._prepare(settings)
-        self._outlet = Outlet(
+        outlet = Outlet(
             Publishers(self._publisher, settings.topic_namespace),
             lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
             settings.frame_id,
             settings.covariances,
         )
+        self._pipeline = Pipeline(settings, outlet, self._counts, self.logger)
         return CallbackReturn.SUCCESS
 
     def on_activate(self, previous_state: State) -> CallbackReturn:
         """Starts the reader thread, taking the device again if need be."""
         assert self._transport is not None
+        assert self._pipeline is not None
         self._activated_ns = self.get_clock().monotonic_ns()
         self._before = self.counts
         try:
             self._transport.open()
-            self._transport.start(self._on_frame)
+            self._transport.start(self._pipeline.take)
         except TransportError as error:
             self._transport.close()
             self.last_error = error
@@ -205,51 +201,6 @@ class ImuReader(LifecycleNode):
     def _value(self, name: str) -> Any:
         return self.get_parameter(name).value
 
-    # The path of a frame, on the transport's reader thread.
-
-    def _prepare(self, settings: ReaderSettings) -> None:
-        self._read_sample: SampleReader = settings.mapping.compile(
-            device_time=settings.uses_device_time
-        )
-        self._date_order = DateOrder() if settings.uses_device_time else None
-        self._plausibility = None if settings.plausibility == "off" else Plausibility()
-        self._refuses_implausible = settings.plausibility == "reject"
-
-    def _on_frame(self, frame: bytes, stamp_ns: int) -> None:
-        sample = self._read_sample(frame)
-        if isinstance(sample, Reject):
-            self._drop(sample, frame)
-            return
-        if self._plausibility is not None and sample.linear_acceleration is not None:
-            self._plausibility.add(sample.linear_acceleration)
-            if self._refuses_implausible and self._plausibility.finding:
-                self._drop(Reject("implausible", self._plausibility.finding), frame)
-                return
-        if self._date_order is not None:
-            date_ns = sample.device_time_ns
-            if date_ns is None:
-                self._counts.time_unusable += 1
-            else:
-                late = self._date_order.judge(sample, date_ns, stamp_ns)
-                if late is not None:
-                    self._drop(late, frame)
-                    return
-                stamp_ns = date_ns
-        if self._outlet is not None and self._outlet.publish(sample, stamp_ns):
-            self._counts.published += 1
-        else:
-            self._counts.add("not_active")
-
-    def _drop(self, reject: Reject, frame: bytes) -> None:
-        self._counts.add(reject.reason)
-        # One line per reason and interval: a noisy line must not become a noisy log.
-        if self.logger.due(f"reject {reject.reason}", _REJECT_LOG_S):
-            shown = frame if len(frame) <= 80 else frame[:80] + b"..."
-            why = reject.detail or REASONS[reject.reason]
-            number = self._counts.by_reason[reject.reason]
-            say = self.logger.info if reject.reason in IGNORED else self.logger.warning
-            say(f"dropped {shown!r}: {reject.reason} ({why}); {number} so far")
-
     # The health, on the main-loop thread.
 
     def _watch(self) -> None:
@@ -262,7 +213,7 @@ class ImuReader(LifecycleNode):
             self._settings.stale_timeout_s,
             self._before,
             now,
-            self._plausibility.finding if self._plausibility else "",
+            self._pipeline.finding if self._pipeline else "",
         )
         self._before = now
         if health.level is not self._health.level:
