@@ -8,11 +8,12 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from rosbase.errors import MappingError
-from rosbase.imu import quantities
 from rosbase.imu.mapping import ImuMapping, Sample, SampleReader
 from rosbase.imu.presets import PRESETS
-from rosbase.imu.rejects import REASONS, Reject
+from rosbase.imu.rejects import REASONS
 from rosbase.imu.units import STANDARD_GRAVITY
+from rosbase.mapping import quantities
+from rosbase.mapping.rejects import Reject
 from support.samples import FAULTS, GOOD, GOOD_FRAME, frame, vector
 from support.strategies import frames, good_payloads, json_values, payloads
 

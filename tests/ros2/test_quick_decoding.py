@@ -8,8 +8,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rosbase.imu import decoding
-from rosbase.imu.decoding import decode_payload
+from rosbase.mapping import decoding
+from rosbase.mapping.decoding import decode_payload
 
 NUMBERS = st.integers() | st.floats() | st.sampled_from([2**63, -(2**63) - 1, 2**64, 10**400])
 VALUES = st.recursive(

@@ -1,7 +1,7 @@
 """Whether the device's dates go on: what is delivered again, or late, must not be published."""
 
 from rosbase.imu.mapping import Sample
-from rosbase.imu.rejects import Reject
+from rosbase.mapping.rejects import Reject
 
 __all__ = ["DateOrder"]
 

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple, TypeAlias
 from attrs import frozen
 
 from rosbase.errors import MappingError
-from rosbase.imu.decoding import decode_payload
-from rosbase.imu.device_time import TimeReader, compile_time
-from rosbase.imu.paths import MISSING, Path, parse_path, resolve
-from rosbase.imu.quantities import QuantityReader, compile_quantity, unit_quaternion
-from rosbase.imu.rejects import Reject
 from rosbase.imu.units import UNITS, unit_factor
+from rosbase.mapping.dates import TimeReader, compile_time
+from rosbase.mapping.decoding import decode_payload
+from rosbase.mapping.paths import MISSING, Path, parse_path, resolve
+from rosbase.mapping.quantities import QuantityReader, compile_quantity, unit_quaternion
+from rosbase.mapping.rejects import Reject
 
 __all__ = ["GROUPS", "MAX_TOLERANCE", "VECTORS", "ImuMapping", "Sample", "SampleReader"]
 

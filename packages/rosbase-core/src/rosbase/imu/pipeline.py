@@ -5,9 +5,10 @@ from rosbase.imu.date_order import DateOrder
 from rosbase.imu.mapping import Sample, SampleReader
 from rosbase.imu.outlet import Outlet
 from rosbase.imu.plausibility import Plausibility
-from rosbase.imu.rejects import IGNORED, REASONS, Reject
+from rosbase.imu.rejects import IGNORED, REASONS
 from rosbase.imu.settings import ReaderSettings
 from rosbase.logger import RosbaseLogger
+from rosbase.mapping.rejects import Reject
 
 __all__ = ["Pipeline"]
 

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import TypeAlias
 
 from rosbase.errors import MappingError
-from rosbase.imu.paths import MISSING, Path, follow, variants
+from rosbase.mapping.paths import MISSING, Path, follow, variants
 
 __all__ = ["TIME_UNITS", "TimeReader", "compile_time"]
 

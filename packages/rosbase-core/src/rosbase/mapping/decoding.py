@@ -4,7 +4,7 @@ import json
 import re
 from collections.abc import Callable
 
-from rosbase.imu.rejects import Reject
+from rosbase.mapping.rejects import Reject
 
 try:
     # The extra `fast`. It refuses some of what Python's takes, and what it takes it reads alike.

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
 
-from rosbase.imu.paths import MISSING, Path, Steps, follow, variants
-from rosbase.imu.rejects import Reject
+from rosbase.mapping.paths import MISSING, Path, Steps, follow, variants
+from rosbase.mapping.rejects import Reject
 
 __all__ = ["Numbers", "QuantityReader", "compile_quantity", "unit_quaternion"]
 
