@@ -28,6 +28,15 @@ PATHS = ParameterSpec("paths", [], kind=ParameterKind.STRING_ARRAY)
         (STDDEV, "[0.1, 2, 3]", [0.1, 2.0, 3.0]),
         (PATHS, "[ax, 'ay', \"az\"]", ["ax", "ay", "az"]),
         (PATHS, "ax", ["ax"]),
+        (PATHS, "[]", []),
+        (PATHS, "[0].x, [1].x", ["[0].x", "[1].x"]),
+        (PATHS, "[[0].x, [1].x]", ["[0].x", "[1].x"]),
+        (PATHS, "[kind=acc].x", ["[kind=acc].x"]),
+        (PATHS, "[[*]]", ["[*]"]),
+        (PATHS, "s[id=a,b].x,s[id=a,b].y", ["s[id=a,b].x", "s[id=a,b].y"]),
+        (PATHS, """['"a.x"', '"a,y"', 'a."b c"']""", ['"a.x"', '"a,y"', 'a."b c"']),
+        (PATHS, '"a"."b"', ['"a"."b"']),
+        (PATHS, "T=it's, U=2", ["T=it's", "U=2"]),
     ],
 )
 def test_text_becomes_a_value_of_the_parameter(

@@ -119,6 +119,9 @@ def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
 _INTEGER = re.compile(r"[-+]?\d+", re.ASCII)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
+# One pair of quotes around a whole item.
+_QUOTED = re.compile(r"^([\"'])((?:(?!\1).)*)\1$", re.DOTALL)
+
 
 def _scalar(text: str) -> bool | int | float | str:
     text = text.strip()
@@ -134,10 +137,38 @@ def _scalar(text: str) -> bool | int | float | str:
 
 
 def _items(text: str) -> list[str]:
-    inner = text.strip()
-    if inner.startswith("[") and inner.endswith("]"):
-        inner = inner[1:-1]
-    return [item.strip().strip("\"'") for item in inner.split(",") if item.strip()]
+    """Split a list such as `[a, 'b, c', d[0, 1]]` at commas outside quotes and inner brackets."""
+    pieces = _pieces(text)
+    if len(pieces) == 1 and _closes_last(pieces[0]):
+        pieces = _pieces(pieces[0][1:-1])
+    return [_QUOTED.sub(r"\2", piece) for piece in pieces if piece]
+
+
+def _pieces(text: str) -> list[str]:
+    pieces, depth, quote = [""], 0, ""
+    for sign in text:
+        if quote:
+            quote = "" if sign == quote else quote
+        elif sign == '"' or (sign == "'" and not pieces[-1].strip()):
+            # An apostrophe may also stand within a text.
+            quote = sign
+        else:
+            depth += (sign == "[") - (sign == "]")
+        if sign == "," and not quote and depth <= 0:
+            pieces.append("")
+        else:
+            pieces[-1] += sign
+    return [piece.strip() for piece in pieces]
+
+
+def _closes_last(text: str) -> bool:
+    """Whether the bracket that opens a text is closed by the one that ends it."""
+    depth = 0
+    for at, sign in enumerate(text):
+        depth += (sign == "[") - (sign == "]")
+        if depth <= 0:
+            return at > 0 and at == len(text) - 1
+    return False
 
 
 def _as_kind(spec: ParameterSpec, value: object) -> ParameterValue:
