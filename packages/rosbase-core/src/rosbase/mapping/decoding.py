@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 
 from rosbase.mapping.rejects import Reject
+from rosbase.mapping.repeats import OF_NUMBERS, known_forms, repeated_key
 
 try:
     # The extra `fast`. It refuses some of what Python's takes, and what it takes it reads alike.
@@ -39,8 +40,19 @@ def decode_payload(frame: bytes) -> object:
             # Such as NaN. The careful way decides.
             pass
         else:
-            return payload if isinstance(payload, (dict, list)) else _A_LONE_VALUE
+            is_known = frame.translate(None, OF_NUMBERS) in known_forms
+            return payload if is_known else _checked(frame, payload)
     return _decode_carefully(frame)
+
+
+def _checked(frame: bytes, payload: object) -> object:
+    if not isinstance(payload, (dict, list)):
+        return _A_LONE_VALUE
+    try:
+        key = repeated_key(frame, payload)
+    except RecursionError:
+        return Reject("too_deep")
+    return payload if key is None else Reject("bad_json", f"the key {key[:40]!r} stands twice")
 
 
 def _decode_carefully(frame: bytes) -> object:
@@ -61,7 +73,7 @@ def _decode_carefully(frame: bytes) -> object:
     except ValueError:
         # What int() says to more than 4,300 digits.
         return Reject("out_of_range")
-    return payload if isinstance(payload, (dict, list)) else _A_LONE_VALUE
+    return _checked(frame, payload)
 
 
 def _reject_text(text: str, error: json.JSONDecodeError) -> Reject:
