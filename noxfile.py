@@ -182,6 +182,16 @@ def colcon(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def million(session: nox.Session) -> None:
+    """A million mappings and payloads, read as the documentation says: some ten minutes."""
+    session.install(*TEST_TOOLS)
+    _install(session, "rosbase-core")
+    cases = {"ROSBASE_MAPPING_CASES": "1000000"}
+    test = "tests/core/test_mapping_oracle.py"
+    session.run("pytest", "-q", "-s", "--timeout", "0", test, *session.posargs, env=cases)
+
+
+@nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     _install(session, *ALL)

@@ -17,6 +17,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Quality of service": ("qos",),
     "Parameters": ("parameters",),
     "The IMU reader": ("imu",),
+    "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),
     "Transports": ("contracts.transport", "device", "framing"),
     "Backends": ("contracts.backend", "contracts.imu_sender", "contracts.sendable", "local"),

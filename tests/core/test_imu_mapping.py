@@ -12,9 +12,9 @@ from rosbase.imu.mapping import ImuMapping, Sample, SampleReader
 from rosbase.imu.presets import PRESETS
 from rosbase.imu.rejects import REASONS
 from rosbase.imu.units import STANDARD_GRAVITY
-from rosbase.mapping import quantities
+from rosbase.mapping import quick_reading
 from rosbase.mapping.rejects import Reject
-from support.samples import FAULTS, GOOD, GOOD_FRAME, frame, vector
+from support.samples import FAULTS, GOOD, GOOD_FRAME, ORIENTATION_FAULTS, frame, vector
 from support.strategies import frames, good_payloads, json_values, payloads
 
 
@@ -64,6 +64,7 @@ def test_no_input_makes_it_raise_and_nothing_unfit_comes_out(
     if isinstance(sample, Reject):
         assert sample.reason in REASONS
     else:
+        assert isinstance(sample, Sample)
         check_fit(sample)
 
 
@@ -90,7 +91,7 @@ def check_fit(sample: Sample) -> None:
 def careful() -> SampleReader:
     """A reader without the fast way."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(quantities, "_shared_parent", lambda paths: None)
+        patch.setattr(quick_reading, "shared_parent", lambda paths: None)
         return mapping().compile(device_time=True)
 
 
@@ -118,6 +119,19 @@ def test_every_payload_fault_has_its_reason(fault: str) -> None:
     assert expected in REASONS
 
 
+@pytest.mark.parametrize("fault", ORIENTATION_FAULTS)
+def test_a_quantity_that_is_not_required_is_left_out_with_its_reason(fault: str) -> None:
+    line, expected = ORIENTATION_FAULTS[fault]
+    sample = DEFAULT(line)
+    assert isinstance(sample, Sample)
+    assert sample.orientation is None
+    assert sample.linear_acceleration == (0.0, 0.0, 9.80665)
+    assert [reject.reason for reject in sample.left_out] == [expected]
+    assert sample.left_out[0].detail.startswith("orientation")
+    needed = mapping(required=("orientation",)).compile()
+    assert reason(needed, line) == expected
+
+
 def test_integers_are_numbers() -> None:
     sample = read(DEFAULT, {**GOOD, "linear_acceleration": vector(0, 0, 10)})
     assert sample.linear_acceleration == (0.0, 0.0, 10.0)
@@ -135,9 +149,9 @@ def test_absent_optional_groups_are_absent_in_the_sample() -> None:
 def test_a_number_too_large_for_its_si_unit_is_refused() -> None:
     milli = mapping(linear_acceleration_unit="g").compile()
     assert reason(milli, {**GOOD, "linear_acceleration": vector(z=1e308)}) == "non_finite"
-    for absurd in (1e308, -1e200, 2e9):
+    for absurd in (1e308, -1e200, 2e9, 314.0):
         assert reason(DEFAULT, {**GOOD, "linear_acceleration": vector(absurd)}) == "out_of_range"
-    assert read(DEFAULT, {**GOOD, "linear_acceleration": vector(9e8)})
+    assert read(DEFAULT, {**GOOD, "linear_acceleration": vector(313.0)})
 
 
 def test_numeric_strings_only_if_allowed_and_only_json_numbers() -> None:
@@ -320,7 +334,10 @@ def test_only_a_date_is_a_device_time(
         ({"orientation_paths": ("a|b", "c", "d", "e")}, "the same number of alternatives"),
         ({"orientation_paths": ("q",), "required": ("gps",)}, "not 'gps'"),
         ({"orientation_paths": ("q",), "required": ("magnetic_field",)}, "paths is empty"),
-        ({"orientation_paths": ("q",), "select": ("T",)}, "conditions such as T=1002, not 'T'"),
+        (
+            {"orientation_paths": ("q",), "select": ("T",), "time_paths": ("s", "ns")},
+            "'T' is not a condition such as T=1002",
+        ),
         ({"orientation_paths": ("q",)}, "mapping.time.paths is empty"),
         ({"orientation_paths": ("q",), "time_paths": ("t",)}, "time.unit is one of s, ms, us, ns"),
     ],

@@ -25,7 +25,7 @@ from rosbase.parameters import Parameter
 from rosbase.plugins import installed_plugins
 from rosbase.testing import ManualClock
 from support.reader_rig import Rig
-from support.samples import FAULTS, GOOD, GOOD_FRAME, payload, vector
+from support.samples import FAULTS, GOOD, GOOD_FRAME, ORIENTATION_FAULTS, payload, vector
 from support.transports import ScriptedRegistry
 
 
@@ -107,6 +107,22 @@ def test_a_bad_frame_is_dropped_counted_and_the_next_goes_through(
     counts = rig.reader.counts
     assert counts.by_reason == {reason: 1}
     assert counts.received == counts.published + counts.rejected + counts.ignored == 2
+
+
+@pytest.mark.parametrize("fault", ORIENTATION_FAULTS)
+def test_a_bad_orientation_is_left_out_counted_and_said(
+    rigs: Callable[..., Rig], fault: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = rigs().activate()
+    line, reason = ORIENTATION_FAULTS[fault]
+    ((topic, message),) = rig.send(line)
+    assert topic == "data_raw"
+    assert message.orientation_covariance[0] == -1.0
+    counts = rig.reader.counts
+    assert counts.left_out == {reason: 1}
+    assert (counts.published, counts.received) == (1, 1)
+    (said,) = [m for m in caplog.messages if m.startswith("used only part of")]
+    assert reason in said
 
 
 def test_a_flood_of_bad_frames_is_one_line_in_the_log(

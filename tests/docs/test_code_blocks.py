@@ -18,14 +18,14 @@ def of_kind(kind: str) -> list[str]:
 
 def test_every_block_is_of_a_kind_that_is_checked() -> None:
     # Diagrams are checked by tests/integration/test_examples.py, units for systemd and parameters
-    # for nav2 by tests/ros2/test_documentation.py.
-    kinds = {"bash", "ini", "mermaid", "python", "text", "toml", "yaml"}
+    # for nav2 by tests/ros2/test_documentation.py, payloads in JSON by test_mapping_page.py.
+    kinds = {"bash", "ini", "json", "mermaid", "python", "text", "toml", "yaml"}
     assert {block.kind for block in BLOCKS.values()} <= kinds
     assert len(BLOCKS) >= 40
 
 
 def test_what_is_said_above_a_block_is_understood() -> None:
-    known = ("not run: ", "on ROS 2", "device", "prints")
+    known = ("not run: ", "on ROS 2", "device", "prints", "payload", "gives")
     assert all(b.says.startswith(known) for b in BLOCKS.values() if b.says)
 
 

@@ -7,6 +7,7 @@ A comment directly above a block is one of these:
 - `device` or `device: {"ax": 0}`: a simulated device stands in for `/dev/ttyUSB0`, and sends
   samples of the preset `ros`, or that line again and again.
 - `prints`: a block of text that is exactly what the Python program above it prints.
+- `payload` and `gives`: a payload, and the samples that the parameters between the two make of it.
 
 Two of them are joined with a semicolon. A block whose first line is a comment with a path, such as
 `# imu.toml`, is the file of that name for the commands of the same page. One with `title=` behind

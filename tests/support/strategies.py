@@ -70,7 +70,8 @@ payloads = st.fixed_dictionaries(
     },
 )
 
-reals = st.floats(-1e3, 1e3) | st.integers(-1000, 1000)
+# Within the full scale of every quantity.
+reals = st.floats(-60.0, 60.0) | st.integers(-60, 60)
 
 
 @st.composite

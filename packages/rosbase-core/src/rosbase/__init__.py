@@ -93,6 +93,19 @@ if TYPE_CHECKING:
     from rosbase.manager import (
         BaseManager,
     )
+    from rosbase.mapping.assembly import (
+        Batch,
+    )
+    from rosbase.mapping.payload_mapping import (
+        PayloadMapping,
+        Quantity,
+    )
+    from rosbase.mapping.rejects import (
+        Reject,
+    )
+    from rosbase.mapping.times import (
+        TimeMapping,
+    )
     from rosbase.parameters import (
         Parameter,
         ParameterKind,
@@ -166,6 +179,7 @@ __all__ = [
     "BaseHandlers",
     "BaseManager",
     "BaseNode",
+    "Batch",
     "CallbackReturn",
     "CheckContext",
     "CheckPlugin",
@@ -209,12 +223,15 @@ __all__ = [
     "ParameterKind",
     "ParameterSpec",
     "ParameterValue",
+    "PayloadMapping",
     "PluginError",
     "PluginRegistry",
     "PresetPlugin",
     "Publisher",
     "QoSProfile",
+    "Quantity",
     "QueuedSubscription",
+    "Reject",
     "ReliabilityPolicy",
     "RestartPolicy",
     "RosbaseError",
@@ -224,6 +241,7 @@ __all__ = [
     "Subscription",
     "SystemClock",
     "Tally",
+    "TimeMapping",
     "Timer",
     "TransitionEvent",
     "TransitionNotAvailableError",
@@ -261,6 +279,7 @@ _HOMES = {
     "BaseHandlers": "rosbase.roles.handlers",
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.roles.node",
+    "Batch": "rosbase.mapping.assembly",
     "CallbackReturn": "rosbase.lifecycle",
     "CheckContext": "rosbase.contracts.checks",
     "CheckPlugin": "rosbase.plugins",
@@ -304,12 +323,15 @@ _HOMES = {
     "ParameterKind": "rosbase.parameters",
     "ParameterSpec": "rosbase.parameters",
     "ParameterValue": "rosbase.parameters",
+    "PayloadMapping": "rosbase.mapping.payload_mapping",
     "PluginError": "rosbase.errors",
     "PluginRegistry": "rosbase.plugins",
     "PresetPlugin": "rosbase.plugins",
     "Publisher": "rosbase.contracts.backend",
     "QoSProfile": "rosbase.qos",
+    "Quantity": "rosbase.mapping.payload_mapping",
     "QueuedSubscription": "rosbase.runtime.queued_subscription",
+    "Reject": "rosbase.mapping.rejects",
     "ReliabilityPolicy": "rosbase.qos",
     "RestartPolicy": "rosbase.processes",
     "RosbaseError": "rosbase.errors",
@@ -319,6 +341,7 @@ _HOMES = {
     "Subscription": "rosbase.contracts.backend",
     "SystemClock": "rosbase.clock",
     "Tally": "rosbase.contracts.transport",
+    "TimeMapping": "rosbase.mapping.times",
     "Timer": "rosbase.contracts.backend",
     "TransitionEvent": "rosbase.lifecycle",
     "TransitionNotAvailableError": "rosbase.errors",

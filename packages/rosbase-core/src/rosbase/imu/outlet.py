@@ -61,7 +61,7 @@ class Outlet:
 
     def publish(self, sample: Sample, stamp_ns: int) -> bool:
         """Publishes what the sample has; tells whether the node was active, so that it went out."""
-        orientation, angular, linear, field, _ = sample
+        orientation, angular, linear, field, _, _ = sample
         sent = False
         if orientation or angular or linear:
             absent = (orientation is None, angular is None, linear is None)

@@ -1,5 +1,7 @@
 """From a frame to messages: read, check, date, publish. Runs on the transport's reader thread."""
 
+from collections.abc import Iterable
+
 from rosbase.imu.counts import Counts
 from rosbase.imu.date_order import DateOrder
 from rosbase.imu.mapping import Sample, SampleReader
@@ -7,8 +9,11 @@ from rosbase.imu.outlet import Outlet
 from rosbase.imu.plausibility import Plausibility
 from rosbase.imu.rejects import IGNORED, REASONS
 from rosbase.imu.settings import ReaderSettings
+from rosbase.imu.undated import Undated
 from rosbase.logger import RosbaseLogger
+from rosbase.mapping.assembly import Batch
 from rosbase.mapping.rejects import Reject
+from rosbase.mapping.spreading import Spreading
 
 __all__ = ["Pipeline"]
 
@@ -38,25 +43,43 @@ class Pipeline:
         self._date_order = DateOrder() if settings.uses_device_time else None
         self._plausibility = None if settings.plausibility == "off" else Plausibility()
         self._refuses_implausible = settings.plausibility == "reject"
+        self._spreading = Spreading()
+        self._undated = Undated()
+        for note in settings.without_effect:
+            logger.warning(note)
 
     @property
     def finding(self) -> str:
         """What is wrong with samples that are published, in one line; empty if nothing."""
-        return self._plausibility.finding if self._plausibility else ""
+        found = self._plausibility.finding if self._plausibility else ""
+        return found or self._undated.finding
 
     def take(self, frame: bytes, stamp_ns: int) -> bool:
-        """Publish the sample in a frame; tell whether there is one.
+        """Publish the samples in a frame; tell whether there are any.
 
         Args:
             frame: As the transport hands it over.
             stamp_ns: When its first bytes were read, in nanoseconds since the epoch.
         """
-        sample = self._read_sample(frame)
+        found = self._read_sample(frame)
+        if not isinstance(found, Batch):
+            return self._pass_on(found, frame, stamp_ns)
+        stamps = self._spreading.stamps(len(found.samples), stamp_ns, found.interval_ns)
+        passed = [
+            self._pass_on(sample, frame, stamp)
+            for sample, stamp in zip(found.samples, stamps, strict=True)
+        ]
+        return any(passed)
+
+    def _pass_on(self, sample: Sample | Reject, frame: bytes, stamp_ns: int) -> bool:
+        """Publish one sample of a frame, or drop it."""
         refusal = sample if isinstance(sample, Reject) else self._check(sample, stamp_ns)
         if refusal is not None:
             self._drop(refusal, frame)
             return False
         assert isinstance(sample, Sample)
+        if sample.left_out:
+            self._note(sample.left_out, frame)
         date_ns = sample.device_time_ns
         if self._outlet.publish(sample, stamp_ns if date_ns is None else date_ns):
             self._counts.published += 1
@@ -70,19 +93,33 @@ class Pipeline:
             self._plausibility.add(sample.linear_acceleration)
             if self._refuses_implausible and self._plausibility.finding:
                 return Reject("implausible", self._plausibility.finding)
-        if self._date_order is None:
+        if self._date_order is None or sample.device_time_ns is None:
             return None
-        if sample.device_time_ns is None:
-            self._counts.time_unusable += 1
-            return None
+        self._undated.add(None)
         return self._date_order.judge(sample, sample.device_time_ns, stamp_ns)
+
+    def _note(self, left_out: Iterable[Reject], frame: bytes) -> None:
+        """Count and log what a sample goes out without."""
+        for reject in left_out:
+            if reject.reason == "time_unusable":
+                self._counts.time_unusable += 1
+                self._undated.add(reject)
+                number = self._counts.time_unusable
+            else:
+                number = self._counts.leave_out(reject.reason)
+            if self._logger.due(f"left out {reject.reason}", _REJECT_LOG_S):
+                self._logger.warning(f"used only part of {_told(frame, reject, number)}")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)
         # One line per reason and interval: a noisy line must not become a noisy log.
         if self._logger.due(f"reject {reject.reason}", _REJECT_LOG_S):
-            shown = frame if len(frame) <= 80 else frame[:80] + b"..."
-            why = reject.detail or REASONS[reject.reason]
             number = self._counts.by_reason[reject.reason]
             say = self._logger.info if reject.reason in IGNORED else self._logger.warning
-            say(f"dropped {shown!r}: {reject.reason} ({why}); {number} so far")
+            say(f"dropped {_told(frame, reject, number)}")
+
+
+def _told(frame: bytes, reject: Reject, number: int) -> str:
+    shown = frame if len(frame) <= 80 else frame[:80] + b"..."
+    why = reject.detail or REASONS[reject.reason]
+    return f"{shown!r}: {reject.reason} ({why}); {number} so far"

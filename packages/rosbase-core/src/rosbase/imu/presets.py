@@ -15,6 +15,11 @@ def _xyz(prefix: str) -> list[str]:
     return [f"{prefix}{axis}" for axis in "xyz"]
 
 
+def _reported(quantity: str, axes: str = "xyz") -> list[str]:
+    """Where sensor_msgs/Imu has a quantity, unless its covariance says that there is none."""
+    return [f"[{quantity}_covariance[0]!=-1].{quantity}.{axis}" for axis in axes]
+
+
 _INERTIAL = ["angular_velocity", "linear_acceleration"]
 
 PRESETS: tuple[PresetPlugin, ...] = (
@@ -22,10 +27,10 @@ PRESETS: tuple[PresetPlugin, ...] = (
         "ros",
         "JSON shaped like sensor_msgs/Imu, SI units; orientation and header optional",
         {
-            "orientation.paths": [*_xyz("orientation."), "orientation.w"],
-            "angular_velocity.paths": _xyz("angular_velocity."),
+            "orientation.paths": _reported("orientation", "xyzw"),
+            "angular_velocity.paths": _reported("angular_velocity"),
             "angular_velocity.unit": "rad/s",
-            "linear_acceleration.paths": _xyz("linear_acceleration."),
+            "linear_acceleration.paths": _reported("linear_acceleration"),
             "linear_acceleration.unit": "m/s^2",
             "time.paths": [
                 "header.stamp.sec|header.stamp.secs",

@@ -7,8 +7,9 @@ from attrs import evolve, frozen
 
 from rosbase.errors import NotInstalledError, ParameterError
 from rosbase.imu.covariance import covariance_of
-from rosbase.imu.mapping import GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
+from rosbase.imu.mapping import FULL_SCALES, GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
 from rosbase.imu.presets import DEFAULT_PRESET
+from rosbase.mapping.payload_mapping import LARGEST
 from rosbase.messages import Covariance
 from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue, check_value
 from rosbase.plugins import PluginRecord, PluginRegistry, PresetPlugin, TransportPlugin
@@ -54,6 +55,16 @@ def _stddev(quantity: str, unit: str) -> ParameterSpec:
     )
 
 
+def _full_scale(quantity: str, unit: str) -> ParameterSpec:
+    return ParameterSpec(
+        f"{quantity}_full_scale",
+        FULL_SCALES[quantity],
+        f"the largest component that the sensor can measure, in {unit}; more is out_of_range",
+        minimum=0.0,
+        maximum=LARGEST,
+    )
+
+
 def _mapping_parameters() -> Iterable[ParameterSpec]:
     yield _preset_texts("mapping.select", "conditions that a payload must meet, such as T=1002")
     yield _preset_texts("mapping.required", "quantities without which a sample is refused")
@@ -66,6 +77,13 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
         "mapping.time.paths", "where the time is: one path, or seconds and nanoseconds"
     )
     yield _preset_text("mapping.time.unit", "the unit of a lone time value: s, ms, us or ns")
+    yield _preset_text(
+        "mapping.time.interval",
+        "the time between the samples of one message, such as 5 ms, 200 Hz or rate Hz",
+    )
+    yield _preset_text(
+        "mapping.absent", "what a number is that a payload leaves out: missing, or zero"
+    )
     yield ParameterSpec(
         "mapping.numeric_strings",
         default=False,
@@ -115,10 +133,15 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
     _stddev("angular_velocity", "rad/s"),
     _stddev("linear_acceleration", "m/s^2"),
     _stddev("magnetic_field", "T"),
+    _full_scale("angular_velocity", "rad/s"),
+    _full_scale("linear_acceleration", "m/s^2"),
+    _full_scale("magnetic_field", "T"),
     *_mapping_parameters(),
 )
 """Those of every reader; transports add theirs."""
 
+
+_SPECS = {spec.name: spec for spec in READER_PARAMETERS}
 
 _PRESETTABLE = {
     spec.name: spec
@@ -141,6 +164,8 @@ class ReaderSettings:
     plausibility: str
     covariances: Mapping[str, Covariance]
     """By quantity; for those that a sample has."""
+    without_effect: tuple[str, ...] = ()
+    """What the user set and what does nothing, in a line each."""
 
     @property
     def device(self) -> str:
@@ -226,7 +251,24 @@ def read_settings(
         },
     )
     settings.mapping.compile(device_time=settings.uses_device_time)
-    return settings
+    return evolve(settings, without_effect=tuple(_without_effect(settings, get)))
+
+
+def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iterable[str]:
+    """What the user set although nothing comes of it."""
+    for group in GROUPS:
+        if getattr(settings.mapping, f"{group}_paths"):
+            continue
+        for kind in ("stddev", "full_scale"):
+            spec = _SPECS.get(f"{group}_{kind}")
+            if spec is not None and get(spec.name) != spec.default:
+                yield f"{spec.name} has no effect: mapping.{group}.paths is empty"
+    if not settings.uses_device_time and _is_given("mapping.time.paths", get):
+        yield "mapping.time.paths has no effect: time_source is arrival"
+
+
+def _is_given(name: str, get: Callable[[str], Any]) -> bool:
+    return get(name) not in (AS_PRESET, [AS_PRESET], [], "")
 
 
 def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
@@ -250,6 +292,7 @@ def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
     return ImuMapping(
         numeric_strings=get("mapping.numeric_strings"),
         quaternion_tolerance=get("mapping.quaternion_tolerance"),
+        **{f"{group}_full_scale": get(f"{group}_full_scale") for group in VECTORS},
         **fields,
     )
 

@@ -1,17 +1,15 @@
-"""When the device says it measured. Only a date counts: an uptime is not one."""
+"""What a payload says of time as nanoseconds since 1970. Only a date counts: an uptime is none."""
 
+import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import datetime
-from typing import TypeAlias
 
-from rosbase.errors import MappingError
-from rosbase.mapping.paths import MISSING, Path, follow, variants
+from rosbase.mapping.following import Missing
+from rosbase.mapping.reals import JSON_NUMBER
+from rosbase.mapping.rejects import Reject
 
-__all__ = ["TIME_UNITS", "TimeReader", "compile_time"]
-
-TimeReader: TypeAlias = Callable[[object], int | None]
-"""Gives nanoseconds since the Unix epoch, or None if the payload has no usable date."""
+__all__ = ["TIME_UNITS", "date_ns", "is_date"]
 
 TIME_UNITS: dict[str, int] = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}
 """Units of a lone time value, in nanoseconds."""
@@ -21,58 +19,78 @@ _EARLIEST_NS = 946_684_800 * 1_000_000_000
 _LATEST_NS = (2**31 - 1) * 1_000_000_000
 
 
-def compile_time(paths: Sequence[Path], unit: str) -> TimeReader:
-    """A reader for the date at `paths`.
+def is_date(total_ns: int) -> bool:
+    """Return whether nanoseconds since 1970 are a date that a device may have."""
+    return _EARLIEST_NS <= total_ns < _LATEST_NS
+
+
+def date_ns(
+    values: Sequence[object], units: Sequence[int], *, numeric_strings: bool
+) -> int | Reject:
+    """Return the date that the values make, or why they make none.
 
     Args:
-        paths: One path to a number or an ISO 8601 text with its zone, or two, to the
-            seconds and to the nanoseconds.
-        unit: The unit of the number, if there is one path.
-
-    Raises:
-        MappingError: There are more paths, or the unit is unknown.
+        values: A number or an ISO 8601 text with its zone; or seconds and nanoseconds.
+        units: The unit of each value, in nanoseconds.
+        numeric_strings: Whether a text that is a JSON number counts as one.
     """
-    if len(paths) > 2:
-        raise MappingError("mapping.time.paths takes one path, or seconds and nanoseconds")
-    if len(paths) == 1 and unit not in TIME_UNITS:
-        raise MappingError(f"mapping.time.unit is one of {', '.join(TIME_UNITS)}, not {unit!r}")
-    units = [TIME_UNITS[unit]] if len(paths) == 1 else [TIME_UNITS["s"], TIME_UNITS["ns"]]
-    alternatives = variants(paths, "mapping.time")
-
-    def read(payload: object) -> int | None:
-        for steps in alternatives:
-            values = [follow(payload, path) for path in steps]
-            if MISSING not in values:
-                return _date_ns(values, units)
-        return None
-
-    return read
-
-
-def _date_ns(values: Sequence[object], units: Sequence[int]) -> int | None:
-    parts = [_to_ns(value, unit_ns) for value, unit_ns in zip(values, units, strict=True)]
-    if None in parts or (len(parts) == 2 and not 0 <= (parts[1] or 0) < TIME_UNITS["s"]):
-        return None
-    total = sum(part for part in parts if part is not None)
-    return total if _EARLIEST_NS <= total < _LATEST_NS else None
+    total = part = 0
+    for value, unit_ns in zip(values, units, strict=True):
+        read = _to_ns(value, unit_ns, numeric_strings)
+        if isinstance(read, Reject):
+            return read
+        part = read
+        total += part
+    if len(values) == 2 and not 0 <= part < TIME_UNITS["s"]:
+        return _unusable("the nanoseconds are more than a second, or negative")
+    if is_date(total):
+        return total
+    if total < _EARLIEST_NS:
+        return _unusable(f"{total / 1e9:.6g} s after 1970 is an uptime, not a date")
+    return _unusable("a date after 2038-01-19; is mapping.time.unit right?")
 
 
-def _to_ns(value: object, unit_ns: int) -> int | None:
-    if isinstance(value, bool):
-        return None
-    if isinstance(value, int):
-        return value * unit_ns
-    if isinstance(value, float) and math.isfinite(value):
-        return int(value * unit_ns) if abs(value) < 1e18 else None
+def _unusable(why: str) -> Reject:
+    return Reject("time_unusable", why)
+
+
+def _to_ns(value: object, unit_ns: int, numeric_strings: bool) -> int | Reject:
     if isinstance(value, str):
-        return _from_iso(value)
-    return None
+        is_number = JSON_NUMBER.fullmatch(value.strip()) is not None
+        if is_number and not numeric_strings:
+            return _unusable(f"{_shown(value)} is text; set mapping.numeric_strings")
+        if not is_number:
+            return _from_iso(value)
+        value = _number(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value * unit_ns
+    if isinstance(value, float) and math.isfinite(value) and abs(value) < 1e18:
+        return int(value * unit_ns)
+    return _unusable(f"{_shown(value)} is no date")
 
 
-def _from_iso(text: str) -> int | None:
+def _number(text: str) -> object:
+    try:
+        return json.loads(text)
+    except ValueError:
+        # What int() says to more than 4,300 digits.
+        return math.inf
+
+
+def _from_iso(text: str) -> int | Reject:
     try:
         date = datetime.fromisoformat(text)
-        # Local time without its zone could be any of forty hours.
-        return round(date.timestamp() * 1e6) * 1_000 if date.tzinfo else None
+        seconds = date.timestamp()
     except (ValueError, OverflowError):
-        return None
+        return _unusable(f"{_shown(text)} is no date")
+    if date.tzinfo is None:
+        # It could be any of forty hours.
+        return _unusable(f"{_shown(text)} has no time zone")
+    return round(seconds * 1e6) * 1_000
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, Missing):
+        return "nothing"
+    text = repr(value) if not isinstance(value, int) or abs(value) < 1e18 else "a huge number"
+    return text if len(text) <= 40 else f"{text[:37]}..."

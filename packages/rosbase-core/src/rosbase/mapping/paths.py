@@ -1,81 +1,142 @@
-"""Where in a payload a value stands: `a.b`, `list[0].x`, or alternatives `new|old`."""
+"""What a path consists of, as data: keys, indices, conditions and `[*]`.
 
+`rosbase.mapping.path_text` reads paths, `rosbase.mapping.following` follows them.
+"""
+
+import json
 import re
 from collections.abc import Sequence
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
+
+from attrs import field, frozen
 
 from rosbase.errors import MappingError
 
-__all__ = ["MISSING", "Path", "Steps", "follow", "parse_path", "resolve", "variants"]
+__all__ = [
+    "BARE_KEY",
+    "EACH",
+    "INDEX",
+    "Condition",
+    "Each",
+    "Path",
+    "Scalar",
+    "Step",
+    "Steps",
+    "Way",
+    "Where",
+    "show_condition",
+    "show_steps",
+    "variants",
+]
 
-Steps: TypeAlias = tuple[str | int, ...]
-"""The way from the top of a payload to a value: keys of objects, indices of lists."""
+BARE_KEY: Final = re.compile(r"""[^\s.\[\]|"'=<>!,*+-][^\s.\[\]|"'=<>!,*]*""")
+"""A key that is written without quotes."""
 
-Path: TypeAlias = tuple[Steps, ...]
-"""Alternatives; the first that leads to something counts."""
+INDEX: Final = re.compile(r"0|[1-9]\d{0,8}", re.ASCII)
+"""What is an index in a list, and a key in an object."""
+
+Scalar: TypeAlias = "str | int | float | bool | None"
+"""What a condition compares with: a value of JSON that holds no others."""
 
 
-class _Missing:
-    """The type of MISSING."""
+class Each:
+    """The type of EACH."""
 
     def __repr__(self) -> str:
-        return "MISSING"
+        return "EACH"
 
 
-MISSING: Final = _Missing()
-"""What a path leads to when there is nothing."""
-
-_INDEX = re.compile(r"0|[1-9]\d{0,8}", re.ASCII)
-_STEP = re.compile(r"[^.\[\]|]+")
+EACH: Final = Each()
+"""The step `[*]`: every element of a list, one for each sample."""
 
 
-def parse_path(text: str) -> Path:
-    """The path that `text` describes. A step of digits is an index, or else such a key.
-
-    Raises:
-        MappingError: It is not a path.
-    """
-    return tuple(_parse_steps(alternative.strip(), text) for alternative in text.split("|"))
+def _as_json(value: Scalar) -> tuple[bool, Scalar]:
+    # In JSON, unlike in Python, true is not 1.
+    return isinstance(value, bool), value
 
 
-def _parse_steps(alternative: str, text: str) -> Steps:
-    steps = re.sub(r"\[(\d+)\]", r".\1", alternative).removeprefix(".").split(".")
-    if not all(_STEP.fullmatch(step) for step in steps):
-        raise MappingError(f"{text!r} is not a path such as accel.x or data[0]")
-    return tuple(int(step) if _INDEX.fullmatch(step) else step for step in steps)
+@frozen
+class Condition:
+    """A condition such as `name=acc`, on an object or a list."""
+
+    paths: "tuple[Steps, ...]"
+    """Alternatives of keys and indices. The first that leads to something counts."""
+    value: Scalar = field(eq=_as_json)
+    is_equal: bool = True
+    """False for `!=`, which also holds where there is nothing to compare."""
+
+    def contradicts(self, other: "Condition") -> bool:
+        """Return whether the two conditions never hold for the same value."""
+        if self.paths != other.paths:
+            return False
+        is_same = _as_json(self.value) == _as_json(other.value)
+        if self.is_equal and other.is_equal:
+            return not is_same
+        return is_same and self.is_equal is not other.is_equal
 
 
-def variants(paths: Sequence[Path], what: str) -> list[list[Steps]]:
-    """The paths of a quantity, one list for each alternative: they are taken together.
+@frozen
+class Where:
+    """Conditions as a step: they select the element of a list, or must hold for an object."""
+
+    conditions: tuple[Condition, ...]
+
+
+Step: TypeAlias = str | int | Where | Each
+"""A key; an index, or a key that looks like one; conditions; or every element."""
+
+Steps: TypeAlias = tuple[Step, ...]
+"""The way from the top of a payload to a value."""
+
+
+@frozen
+class Way:
+    """One alternative of a path."""
+
+    steps: Steps
+    sign: float = 1.0
+    """-1.0 if the number there is to be negated."""
+
+
+Path: TypeAlias = tuple[Way, ...]
+"""Alternatives. The first that leads to something counts."""
+
+
+def variants(paths: Sequence[Path], what: str) -> list[tuple[Way, ...]]:
+    """Return the paths of a quantity, one tuple for each alternative: they belong together.
 
     Raises:
         MappingError: Some have more alternatives than others.
     """
     if len({len(path) for path in paths}) > 1:
         raise MappingError(f"all paths of {what} must have the same number of alternatives")
-    return [list(steps) for steps in zip(*paths, strict=True)]
+    return list(zip(*paths, strict=True))
 
 
-def follow(payload: object, steps: Steps) -> Any:
-    """What the steps lead to, or MISSING. Never raises."""
-    value = payload
+def show_steps(steps: Steps) -> str:
+    """Return the steps as a user would write them."""
+    text = ""
     for step in steps:
-        value = _child(value, step)
-    return value
+        if isinstance(step, (int, Where, Each)):
+            text += _show_bracket(step)
+        else:
+            text += f".{_show_key(step)}" if text else _show_key(step)
+    return text
 
 
-def resolve(payload: object, path: Path) -> Any:
-    """What the path leads to, or MISSING. Never raises."""
-    for steps in path:
-        value = follow(payload, steps)
-        if value is not MISSING:
-            return value
-    return MISSING
+def show_condition(condition: Condition) -> str:
+    """Return the condition as a user would write it."""
+    path = "|".join(show_steps(steps) for steps in condition.paths)
+    value = json.dumps(condition.value, ensure_ascii=False)
+    return f"{path}{'=' if condition.is_equal else '!='}{value}"
 
 
-def _child(value: object, step: str | int) -> object:
-    if isinstance(value, dict):
-        return value.get(str(step), MISSING)
-    if isinstance(value, list) and isinstance(step, int) and step < len(value):
-        return value[step]
-    return MISSING
+def _show_bracket(step: int | Where | Each) -> str:
+    if isinstance(step, Where):
+        return "".join(f"[{show_condition(condition)}]" for condition in step.conditions)
+    return f"[{step}]" if isinstance(step, int) else "[*]"
+
+
+def _show_key(key: str) -> str:
+    needs_quotes = INDEX.fullmatch(key) or not BARE_KEY.fullmatch(key) or key == "$"
+    return json.dumps(key, ensure_ascii=False) if needs_quotes else key

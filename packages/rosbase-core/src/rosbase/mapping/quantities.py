@@ -1,157 +1,125 @@
-"""Reads a vector or a quaternion out of a payload, in SI units, or says why it cannot."""
+"""Reads one quantity out of a payload, in SI units, or says why it cannot."""
 
 import math
-import re
 from collections.abc import Callable, Sequence
-from operator import itemgetter
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from rosbase.mapping.paths import MISSING, Path, Steps, follow, variants
+from attrs import field, frozen
+
+from rosbase.mapping.following import MISSING, follow
+from rosbase.mapping.paths import Steps, Way, show_steps
+from rosbase.mapping.reals import to_float
 from rosbase.mapping.rejects import Reject
+from rosbase.mapping.surplus import Guard, surplus_at
 
-__all__ = ["Numbers", "QuantityReader", "compile_quantity", "unit_quaternion"]
+__all__ = ["Components", "Judge", "Numbers", "shared_parent"]
 
 Numbers: TypeAlias = tuple[float, ...]
 
-QuantityReader: TypeAlias = Callable[[object], Numbers | Reject | None]
-"""Gives finite numbers in SI units; None if the payload has nothing of the quantity."""
 
-# As JSON writes numbers: Python's float() would also take 'nan', '1_0' and Arabic digits.
-_NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
+@frozen
+class Components:
+    """One alternative of a quantity: the ways to its components, and what they may be."""
 
-# Far beyond what any sensor measures, in any of the SI units: such a number is an error.
-_LARGEST = 1e9
-_LARGEST_SQUARE = _LARGEST * _LARGEST
+    name: str
+    ways: tuple[Way, ...]
+    factor: float
+    """By what each number is multiplied to be in the SI unit."""
+    largest: float
+    """The largest absolute value of a component, in the SI unit."""
+    is_whole: bool
+    """Whether one path leads to a list of all components, which then holds nothing else."""
+    guards: tuple[tuple[Guard, ...], ...]
+    """By component: what else might be meant by its way."""
+    numeric_strings: bool = False
+    absent_is_zero: bool = False
+    """Whether the encoder leaves zeros out."""
+    has_object: bool = False
+    """Whether the components stand together below the top of the payload."""
+    finish: Callable[[Numbers], Numbers | Reject] | None = None
+    """Checks, and perhaps corrects, the components together."""
+    factors: tuple[float, ...] = field(init=False)
 
-# Nearer to 1 than this is what rounding leaves, and is published as it was reported.
-_ROUNDING = 1e-6
+    @factors.default
+    def _default_factors(self) -> tuple[float, ...]:
+        return tuple(self.factor * way.sign for way in self.ways)
 
 
-def compile_quantity(
-    name: str, paths: Sequence[Path], factor: float, *, numeric_strings: bool = False
-) -> QuantityReader:
-    """A reader for the numbers at `paths`.
+class Judge:
+    """Decides carefully what stands at the ways of a quantity: any payload, any fault."""
 
-    Args:
-        name: The quantity, for messages.
-        paths: Where the components are, in the order in which they are given back. Their
-            alternatives belong together: the first of which anything is there counts.
-        factor: What each is multiplied by.
-        numeric_strings: Whether a text that is a JSON number counts as one.
+    def __init__(self, components: Components) -> None:
+        """Prepares."""
+        self._of = components
+        self._steps = [way.steps for way in components.ways]
+        self._parent = shared_parent(self._steps)
 
-    Raises:
-        MappingError: Some paths have more alternatives than others.
-    """
-    readers = [
-        _compile_variant(name, steps, factor, numeric_strings) for steps in variants(paths, name)
-    ]
-    if len(readers) == 1:
-        return readers[0]
+    def read(self, payload: object) -> Numbers | Reject | None:
+        """Return the numbers in a payload, why they cannot be used, or None if there are none."""
+        return self.judge([payload] * len(self._steps))
 
-    def read_first(payload: object) -> Numbers | Reject | None:
-        for read in readers:
-            numbers = read(payload)
-            if numbers is not None:
-                return numbers
+    def judge(self, places: Sequence[object]) -> Numbers | Reject | None:
+        """Return the numbers, one from each place, from which the way of a component begins."""
+        found = [follow(place, way) for place, way in zip(places, self._steps, strict=True)]
+        if all(value is MISSING or value is None for value in found):
+            return self._nothing(places)
+        for place, value, guards in zip(places, found, self._of.guards, strict=True):
+            reject = value if isinstance(value, Reject) else surplus_at(place, guards)
+            if reject is not None:
+                return self._named(reject)
+        lacking = [way for way, v in zip(self._steps, found, strict=True) if v is MISSING]
+        if lacking and not self._may_be_zero(lacking):
+            return Reject("incomplete", self._lack(lacking))
+        if self._of.is_whole and self._is_longer(places[0]):
+            return Reject("wrong_type", f"{self._of.name}: a list of another length")
+        return self._convert([0.0 if value is MISSING else value for value in found])
+
+    def _nothing(self, places: Sequence[object]) -> Numbers | Reject | None:
+        """All zero, if the encoder leaves zeros out and an object for the components is there."""
+        if self._parent is not None and self._of.has_object and self._may_be_zero(self._steps):
+            parent = follow(places[0], self._parent)
+            if isinstance(parent, dict) and not any(way[-1] in parent for way in self._steps):
+                return self._convert([0.0] * len(places))
         return None
 
-    return read_first
+    def _may_be_zero(self, ways: Sequence[Steps]) -> bool:
+        return self._of.absent_is_zero and self._are_keys(ways)
 
+    def _are_keys(self, ways: Sequence[Steps]) -> bool:
+        return all(way and isinstance(way[-1], str) for way in ways)
 
-def _compile_variant(
-    name: str, paths: Sequence[Steps], factor: float, numeric_strings: bool
-) -> QuantityReader:
-    shared = _shared_parent(paths)
+    def _lack(self, ways: Sequence[Steps]) -> str:
+        shown = ", ".join(show_steps(way) for way in ways)
+        is_zero = self._are_keys(ways) and not self._of.absent_is_zero
+        hint = "; mapping.absent:=zero if zeros are left out" if is_zero else ""
+        return f"{self._of.name} lacks {shown}{hint}"
 
-    def read_carefully(payload: object) -> Numbers | Reject | None:
-        found = [follow(payload, steps) for steps in paths]
-        missing = sum(value is MISSING for value in found)
-        if missing:
-            return None if missing == len(found) else Reject("incomplete", name)
-        if shared is not None and _is_longer_list(follow(payload, shared[0]), shared[1]):
-            return Reject("wrong_type", f"{name}: a list of another length")
+    def _is_longer(self, place: object) -> bool:
+        """Whether the list of the components holds more than these."""
+        parent = follow(place, self._steps[0][:-1])
+        return isinstance(parent, list) and len(parent) != len(self._steps)
+
+    def _convert(self, values: Sequence[object]) -> Numbers | Reject:
         numbers: list[float] = []
-        for value in found:
-            number = _to_float(value, numeric_strings)
+        for value, factor in zip(values, self._of.factors, strict=True):
+            number = to_float(value, numeric_strings=self._of.numeric_strings)
             if isinstance(number, Reject):
-                return Reject(number.reason, f"{name}: {number.detail}")
+                return self._named(number)
             scaled = number * factor
             if not math.isfinite(scaled):
-                return Reject("non_finite", name)
-            if abs(scaled) > _LARGEST:
-                return Reject("out_of_range", name)
+                return Reject("non_finite", self._of.name)
+            if abs(scaled) > self._of.largest:
+                said = f"{scaled:.6g} is more than {self._of.largest:.6g}"
+                return Reject("out_of_range", f"{self._of.name}: {said}")
             numbers.append(scaled)
-        return tuple(numbers)
+        finished = self._of.finish(tuple(numbers)) if self._of.finish else tuple(numbers)
+        return self._named(finished) if isinstance(finished, Reject) else finished
 
-    if shared is None:
-        return read_carefully
-    parent_steps, keys = shared
-    get_components = itemgetter(*keys)
-    are_indices = sorted(keys, key=str) == list(range(len(keys)))
-
-    def read(payload: object) -> Numbers | Reject | None:
-        # The usual case: all components in one place, all of them floats. Whatever is
-        # different goes the careful way, which alone decides what it means.
-        try:
-            parent: Any = payload
-            for step in parent_steps:
-                parent = parent[step]
-            numbers: Numbers = get_components(parent)
-        except (KeyError, IndexError, TypeError):
-            return read_carefully(payload)
-        if are_indices and len(parent) != len(keys):
-            return read_carefully(payload)
-        for number in numbers:
-            if type(number) is not float:
-                return read_carefully(payload)
-        if factor != 1.0:
-            numbers = tuple([number * factor for number in numbers])
-        squares = sum([number * number for number in numbers])
-        # Neither NaN nor an infinity is less than anything.
-        return numbers if squares < _LARGEST_SQUARE else read_carefully(payload)
-
-    return read
+    def _named(self, reject: Reject) -> Reject:
+        return Reject(reject.reason, f"{self._of.name}: {reject.detail}")
 
 
-def unit_quaternion(numbers: Numbers, tolerance: float) -> Numbers | Reject:
-    """The quaternion with norm 1, if it was within `tolerance` of it.
-
-    Args:
-        numbers: Four components, in any order.
-        tolerance: How far from 1 the norm may be.
-    """
-    norm = math.hypot(*numbers)
-    error = abs(norm - 1.0)
-    if error <= _ROUNDING:
-        return numbers
-    if error <= tolerance:
-        return tuple([number / norm for number in numbers])
-    return Reject("bad_quaternion", f"norm {norm:.6g}")
-
-
-def _shared_parent(paths: Sequence[Steps]) -> tuple[Steps, list[str | int]] | None:
-    """The steps to the place where all components stand, and their keys there."""
-    parents = {steps[:-1] for steps in paths}
-    return (parents.pop(), [steps[-1] for steps in paths]) if len(parents) == 1 else None
-
-
-def _is_longer_list(parent: object, keys: Sequence[str | int]) -> bool:
-    """Whether a list has more in it than the components that it stands for."""
-    covers = sorted(keys, key=str) == list(range(len(keys)))
-    return covers and isinstance(parent, list) and len(parent) != len(keys)
-
-
-def _to_float(value: object, numeric_strings: bool) -> float | Reject:
-    if isinstance(value, str) and numeric_strings and _NUMBER.fullmatch(value.strip()):
-        return float(value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return Reject("wrong_type", _kind(value))
-    try:
-        return float(value)
-    except OverflowError:
-        return Reject("out_of_range", "an integer beyond any double")
-
-
-def _kind(value: object) -> str:
-    names = {type(None): "null", bool: "true or false", str: "text", list: "a list"}
-    return names.get(type(value), "an object")
+def shared_parent(ways: Sequence[Steps]) -> Steps | None:
+    """Return the way to the place where all components stand; None if there are several."""
+    parents = {way[:-1] for way in ways}
+    return parents.pop() if len(parents) == 1 and all(ways) else None

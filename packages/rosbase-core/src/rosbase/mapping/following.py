@@ -1,0 +1,82 @@
+"""Follows paths through a payload, carefully: anything may stand anywhere in it."""
+
+from typing import Any, Final
+
+from rosbase.mapping.paths import Condition, Scalar, Steps, Where, show_steps
+from rosbase.mapping.rejects import Reject
+
+__all__ = ["MISSING", "Missing", "follow", "holds", "matching", "resolve"]
+
+
+class Missing:
+    """The type of MISSING."""
+
+    def __repr__(self) -> str:
+        return "MISSING"
+
+
+MISSING: Final = Missing()
+"""What a path leads to when there is nothing."""
+
+
+def follow(value: object, steps: Steps) -> Any:
+    """Return what the steps lead to: a value of JSON, MISSING, or a `Reject`. Never raises.
+
+    A `Reject` says that a condition is met by several elements of a list.
+
+    Args:
+        value: The value at which the steps begin.
+        steps: Keys, indices and conditions; not `[*]`.
+    """
+    for step in steps:
+        if isinstance(value, dict):
+            value = _in_object(value, step)
+        elif isinstance(value, list):
+            value = _in_list(value, step)
+        else:
+            return value if isinstance(value, Reject) else MISSING
+    return value
+
+
+def resolve(value: object, paths: tuple[Steps, ...]) -> Any:
+    """Return what the first of these paths that leads to something leads to, or MISSING."""
+    for steps in paths:
+        found = follow(value, steps)
+        if found is not MISSING:
+            return found
+    return MISSING
+
+
+def holds(condition: Condition, value: object) -> bool:
+    """Return whether an object or a list meets the condition; nothing else ever does."""
+    if not isinstance(value, (dict, list)):
+        return False
+    found = resolve(value, condition.paths)
+    return (found is not MISSING and _is_same(found, condition.value)) is condition.is_equal
+
+
+def matching(elements: list[Any], where: Where) -> list[Any]:
+    """Return the elements that meet all conditions."""
+    return [e for e in elements if all(holds(condition, e) for condition in where.conditions)]
+
+
+def _in_object(value: dict[str, Any], step: object) -> Any:
+    if isinstance(step, Where):
+        return value if all(holds(condition, value) for condition in step.conditions) else MISSING
+    return value.get(str(step), MISSING) if isinstance(step, (str, int)) else MISSING
+
+
+def _in_list(value: list[Any], step: object) -> Any:
+    if isinstance(step, int):
+        return value[step] if step < len(value) else MISSING
+    if not isinstance(step, Where):
+        return MISSING
+    found = matching(value, step)
+    if len(found) > 1:
+        return Reject("surplus", f"{len(found)} elements meet {show_steps((step,))}")
+    return found[0] if found else MISSING
+
+
+def _is_same(found: object, wanted: Scalar) -> bool:
+    # In JSON, unlike in Python, true is not 1.
+    return isinstance(found, bool) is isinstance(wanted, bool) and bool(found == wanted)

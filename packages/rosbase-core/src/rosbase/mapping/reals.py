@@ -1,0 +1,34 @@
+"""Numbers as payloads hold them, as floats; everything else is refused with its reason."""
+
+import math
+import re
+
+from rosbase.mapping.rejects import Reject
+
+__all__ = ["JSON_NUMBER", "to_float"]
+
+JSON_NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
+"""As JSON writes numbers: Python's float() would also take 'nan', '1_0' and Arabic digits."""
+
+
+def to_float(value: object, *, numeric_strings: bool) -> float | Reject:
+    """Return the finite float that the value is.
+
+    Args:
+        value: Any value of JSON.
+        numeric_strings: Whether a text that is a JSON number counts as one.
+    """
+    if isinstance(value, str) and numeric_strings and JSON_NUMBER.fullmatch(value.strip()):
+        value = float(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return Reject("wrong_type", _kind(value))
+    try:
+        number = float(value)
+    except OverflowError:
+        return Reject("out_of_range", "an integer beyond any double")
+    return number if math.isfinite(number) else Reject("non_finite", str(number))
+
+
+def _kind(value: object) -> str:
+    names = {type(None): "null", bool: "true or false", str: "text", list: "a list"}
+    return names.get(type(value), "an object")
