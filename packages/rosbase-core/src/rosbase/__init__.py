@@ -93,17 +93,11 @@ if TYPE_CHECKING:
     from rosbase.manager import (
         BaseManager,
     )
-    from rosbase.mapping.assembly import (
+    from rosbase.mapping import (
         Batch,
-    )
-    from rosbase.mapping.payload_mapping import (
         PayloadMapping,
         Quantity,
-    )
-    from rosbase.mapping.rejects import (
         Reject,
-    )
-    from rosbase.mapping.times import (
         TimeMapping,
     )
     from rosbase.parameters import (
@@ -279,7 +273,7 @@ _HOMES = {
     "BaseHandlers": "rosbase.roles.handlers",
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.roles.node",
-    "Batch": "rosbase.mapping.assembly",
+    "Batch": "rosbase.mapping",
     "CallbackReturn": "rosbase.lifecycle",
     "CheckContext": "rosbase.contracts.checks",
     "CheckPlugin": "rosbase.plugins",
@@ -323,15 +317,15 @@ _HOMES = {
     "ParameterKind": "rosbase.parameters",
     "ParameterSpec": "rosbase.parameters",
     "ParameterValue": "rosbase.parameters",
-    "PayloadMapping": "rosbase.mapping.payload_mapping",
+    "PayloadMapping": "rosbase.mapping",
     "PluginError": "rosbase.errors",
     "PluginRegistry": "rosbase.plugins",
     "PresetPlugin": "rosbase.plugins",
     "Publisher": "rosbase.contracts.backend",
     "QoSProfile": "rosbase.qos",
-    "Quantity": "rosbase.mapping.payload_mapping",
+    "Quantity": "rosbase.mapping",
     "QueuedSubscription": "rosbase.runtime.queued_subscription",
-    "Reject": "rosbase.mapping.rejects",
+    "Reject": "rosbase.mapping",
     "ReliabilityPolicy": "rosbase.qos",
     "RestartPolicy": "rosbase.processes",
     "RosbaseError": "rosbase.errors",
@@ -341,7 +335,7 @@ _HOMES = {
     "Subscription": "rosbase.contracts.backend",
     "SystemClock": "rosbase.clock",
     "Tally": "rosbase.contracts.transport",
-    "TimeMapping": "rosbase.mapping.times",
+    "TimeMapping": "rosbase.mapping",
     "Timer": "rosbase.contracts.backend",
     "TransitionEvent": "rosbase.lifecycle",
     "TransitionNotAvailableError": "rosbase.errors",

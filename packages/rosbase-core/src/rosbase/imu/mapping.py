@@ -9,10 +9,10 @@ from attrs import frozen
 from rosbase.errors import MappingError
 from rosbase.imu.units import UNITS
 from rosbase.mapping.assembly import Batch
-from rosbase.mapping.payload_mapping import PayloadMapping, Quantity
+from rosbase.mapping.description import Quantity, TimeMapping
+from rosbase.mapping.payload_mapping import PayloadMapping
 from rosbase.mapping.quaternions import compile_unit_quaternion
 from rosbase.mapping.rejects import Reject
-from rosbase.mapping.times import TimeMapping
 from rosbase.mapping.units import unit_factor
 
 __all__ = [
@@ -100,11 +100,6 @@ class ImuMapping:
     """Whether `"1.5"` counts as 1.5."""
     quaternion_tolerance: float = 0.05
     """How far from 1 the norm of an orientation may be."""
-
-    @property
-    def is_batch(self) -> bool:
-        """Whether a message holds several samples: the paths have a `[*]`."""
-        return self._payload_mapping().is_batch
 
     def compile(self, *, device_time: bool = False) -> SampleReader:
         """Return the function that reads a frame. With `device_time` it reads the date as well.

@@ -9,7 +9,7 @@ from rosbase.errors import NotInstalledError, ParameterError
 from rosbase.imu.covariance import covariance_of
 from rosbase.imu.mapping import FULL_SCALES, GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
 from rosbase.imu.presets import DEFAULT_PRESET
-from rosbase.mapping.payload_mapping import LARGEST
+from rosbase.mapping.description import LARGEST
 from rosbase.messages import Covariance
 from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue, check_value
 from rosbase.plugins import PluginRecord, PluginRegistry, PresetPlugin, TransportPlugin

@@ -9,17 +9,17 @@ from rosbase.mapping.rejects import Reject
 
 __all__ = ["Batch", "Row", "Slot", "settle"]
 
-T = TypeVar("T")
+SampleT = TypeVar("SampleT")
 
 Row: TypeAlias = list[Any]
 """By slot the numbers, None or a `Reject`; behind them the date and what was left out."""
 
 
 @frozen
-class Batch(Generic[T]):
+class Batch(Generic[SampleT]):
     """The samples of one message, in the order of time."""
 
-    samples: "Sequence[T | Reject]"
+    samples: "Sequence[SampleT | Reject]"
     interval_ns: int | None = None
     """The time from one to the next in nanoseconds, if the mapping tells it."""
 

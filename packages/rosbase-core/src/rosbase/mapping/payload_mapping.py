@@ -10,74 +10,27 @@ from rosbase.mapping.assembly import Row, Slot
 from rosbase.mapping.batches import compile_batch_reader
 from rosbase.mapping.clashes import check_clashes, check_conditions
 from rosbase.mapping.conditions import compile_condition
-from rosbase.mapping.path_text import parse_condition, parse_path
-from rosbase.mapping.paths import EACH, Condition, Steps, Way, variants
+from rosbase.mapping.description import Quantity, TimeMapping
+from rosbase.mapping.intervals import IntervalReader, compile_interval
+from rosbase.mapping.path_text import parse_condition
+from rosbase.mapping.paths import EACH, Condition, Steps, Way
 from rosbase.mapping.payload_reading import FrameReader, Plan, batch_reader, single_reader
-from rosbase.mapping.quantities import Components, Numbers
+from rosbase.mapping.quantities import Components
 from rosbase.mapping.quick_reading import compile_reader
-from rosbase.mapping.rejects import Reject
 from rosbase.mapping.surplus import Covered, covered_indices, guards_of
-from rosbase.mapping.times import Dates, TimeMapping
+from rosbase.mapping.times import Dates
+from rosbase.mapping.ways import check_time, quantity_ways, time_ways
 
-__all__ = ["ABSENT", "LARGEST", "PayloadMapping", "Quantity"]
+__all__ = ["ABSENT", "PayloadMapping"]
 
-T = TypeVar("T")
-U = TypeVar("U")
+SampleT = TypeVar("SampleT")
+NumbersT = TypeVar("NumbersT")
 
 _Alternatives: TypeAlias = dict[str, list[tuple[Way, ...]]]
 """By quantity: for each alternative the ways to its components."""
 
 ABSENT = ("missing", "zero")
 """What `PayloadMapping.absent` may be."""
-
-LARGEST = 1e9
-"""Far beyond what any sensor measures, in any SI unit: such a number is an error."""
-
-
-@frozen
-class Quantity:
-    """One quantity of a payload, such as a vector: where its components are."""
-
-    name: str
-    paths: tuple[str, ...] = ()
-    """A path for each component, or one to a list of them; none if the device has none."""
-    components: tuple[str, ...] = ("x", "y", "z")
-    """The components in the order in which a sample has them."""
-    written: tuple[str, ...] = ()
-    """The order in which the paths, or the list, give them; the same unless stated."""
-    factor: float = 1.0
-    """By what each number is multiplied to be in the SI unit."""
-    largest: float = LARGEST
-    """The largest absolute value of a component, in the SI unit."""
-    required: bool = False
-    """Whether there is no sample without it."""
-    finish: Callable[[Numbers], Numbers | Reject] | None = None
-    """Checks, and perhaps corrects, the components together."""
-
-    def alternatives(self) -> list[tuple[Way, ...]]:
-        """Return the ways to the components, in their order, for each alternative.
-
-        Raises:
-            MappingError: A path is none, or there are too few or too many.
-        """
-        paths = [parse_path(text) for text in self.paths]
-        count = len(self.components)
-        if self.is_whole:
-            paths = [
-                tuple(Way((*way.steps, index), way.sign) for way in paths[0])
-                for index in range(count)
-            ]
-        if len(paths) != count:
-            raise MappingError(
-                f"mapping.{self.name}.paths takes {count} paths or one, not {len(paths)}"
-            )
-        order = [(self.written or self.components).index(name) for name in self.components]
-        return variants([paths[at] for at in order], self.name)
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether one path leads to a list of all components."""
-        return len(self.paths) == 1 and len(self.components) > 1
 
 
 @frozen
@@ -93,22 +46,13 @@ class PayloadMapping:
     absent: str = "missing"
     """`zero` if the encoder leaves numbers out that are zero."""
 
-    @property
-    def is_batch(self) -> bool:
-        """Whether a message holds several samples.
-
-        Raises:
-            MappingError: A path is none, or `[*]` is not in all paths of the quantities.
-        """
-        return _is_batch(self._alternatives())
-
     def compile(
         self,
-        make: Callable[[Row], T],
+        make: Callable[[Row], SampleT],
         *,
         device_time: bool = False,
         nothing: str = "nothing_known",
-    ) -> FrameReader[T]:
+    ) -> FrameReader[SampleT]:
         """Return the function that reads a frame.
 
         Args:
@@ -125,7 +69,7 @@ class PayloadMapping:
         self._check_values()
         ways = self._alternatives()
         is_batch = _is_batch(ways)
-        self.time.check(is_batch=is_batch, is_wanted=device_time)
+        check_time(self.time, is_batch=is_batch, is_wanted=device_time)
         conditions = [parse_condition(text) for text in self.select]
         check_conditions(conditions)
         check_clashes({**_steps(ways), **(self._time_steps() if device_time else {})})
@@ -136,7 +80,7 @@ class PayloadMapping:
             size=len(self.quantities),
             nothing=nothing,
             dates=self._dates() if device_time else None,
-            interval=self.time.compile_interval(numeric_strings=self.numeric_strings),
+            interval=self._interval(),
         )
         covered = self._covered(ways, conditions)
         components = [self._components(q, ways[q.name], covered) for q in used.values()]
@@ -158,16 +102,22 @@ class PayloadMapping:
                 )
 
     def _alternatives(self) -> _Alternatives:
-        return {q.name: q.alternatives() for q in self.quantities if q.paths}
+        return {q.name: quantity_ways(q) for q in self.quantities if q.paths}
 
     def _time_steps(self) -> dict[str, list[list[Steps]]]:
-        alternatives = variants(self.time.parsed(), "mapping.time") if self.time.paths else []
-        return _steps({"the time": alternatives})
+        return _steps({"the time": time_ways(self.time)})
 
     def _dates(self) -> Dates:
-        return self.time.compile(
-            numeric_strings=self.numeric_strings, absent_is_zero=self.absent == "zero"
+        return Dates(
+            self.time,
+            numeric_strings=self.numeric_strings,
+            absent_is_zero=self.absent == "zero",
         )
+
+    def _interval(self) -> IntervalReader | None:
+        if not self.time.interval:
+            return None
+        return compile_interval(self.time.interval, numeric_strings=self.numeric_strings)
 
     def _covered(self, ways: _Alternatives, conditions: Sequence[Condition]) -> Covered:
         """The indices that the mapping names."""
@@ -213,12 +163,14 @@ def _steps(alternatives: _Alternatives) -> dict[str, list[list[Steps]]]:
     }
 
 
-def _first_of(readers: Sequence[Callable[[Any], U | None]]) -> Callable[[Any], U | None]:
+def _first_of(
+    readers: Sequence[Callable[[Any], NumbersT | None]],
+) -> Callable[[Any], NumbersT | None]:
     """Return what gives the numbers of the first alternative of which anything is there."""
     if len(readers) == 1:
         return readers[0]
 
-    def read_first(payload: object) -> U | None:
+    def read_first(payload: object) -> NumbersT | None:
         for read in readers:
             found = read(payload)
             if found is not None:

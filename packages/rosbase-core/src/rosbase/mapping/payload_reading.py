@@ -17,9 +17,9 @@ from rosbase.mapping.times import Date, Dates
 
 __all__ = ["FrameReader", "Plan", "batch_reader", "single_reader"]
 
-T = TypeVar("T")
+SampleT = TypeVar("SampleT")
 
-FrameReader: TypeAlias = Callable[[bytes], T | Reject | Batch[T]]
+FrameReader: TypeAlias = Callable[[bytes], SampleT | Reject | Batch[SampleT]]
 """From a frame to what is in it. Never raises."""
 
 _NOT_SELECTED = Reject("not_selected")
@@ -47,8 +47,8 @@ class Plan:
 
 
 def single_reader(
-    plan: Plan, readers: Sequence[Reader], make: Callable[[Row], T]
-) -> Callable[[bytes], T | Reject]:
+    plan: Plan, readers: Sequence[Reader], make: Callable[[Row], SampleT]
+) -> Callable[[bytes], SampleT | Reject]:
     """Return a reader of frames with one sample each.
 
     Args:
@@ -63,7 +63,7 @@ def single_reader(
     blank: Row = [*[None] * plan.size, None, ()]
     read_date = compile_date(plan.dates) if plan.dates else None
 
-    def read_frame(frame: bytes) -> T | Reject:
+    def read_frame(frame: bytes) -> SampleT | Reject:
         payload = decode_payload(frame)
         if payload.__class__ is Reject:
             return payload
@@ -92,12 +92,12 @@ def single_reader(
 
 
 def batch_reader(
-    plan: Plan, readers: Sequence[BatchReader], make: Callable[[Row], T]
-) -> FrameReader[T]:
+    plan: Plan, readers: Sequence[BatchReader], make: Callable[[Row], SampleT]
+) -> FrameReader[SampleT]:
     """Return a reader of frames with any number of samples each; arguments as above."""
     slots = plan.slots
 
-    def read_frame(frame: bytes) -> T | Reject | Batch[T]:
+    def read_frame(frame: bytes) -> SampleT | Reject | Batch[SampleT]:
         payload = plan.payload(frame)
         if isinstance(payload, Reject):
             return payload

@@ -1,0 +1,77 @@
+"""From the paths in a description to ways, with the checks that need no other quantity."""
+
+from rosbase.errors import MappingError
+from rosbase.mapping.dates import TIME_UNITS
+from rosbase.mapping.description import Quantity, TimeMapping
+from rosbase.mapping.path_text import parse_path
+from rosbase.mapping.paths import EACH, Way, variants
+
+__all__ = ["check_time", "quantity_ways", "time_ways"]
+
+
+def quantity_ways(quantity: Quantity) -> list[tuple[Way, ...]]:
+    """Return the ways to the components, in their order, for each alternative.
+
+    Raises:
+        MappingError: A path is none, or there are too few or too many.
+    """
+    paths = [parse_path(text) for text in quantity.paths]
+    count = len(quantity.components)
+    if quantity.is_whole:
+        (lone,) = paths
+        paths = [tuple(Way((*way.steps, at), way.sign) for way in lone) for at in range(count)]
+    if len(paths) != count:
+        raise MappingError(
+            f"mapping.{quantity.name}.paths takes {count} paths or one, not {len(paths)}"
+        )
+    written = quantity.written or quantity.components
+    in_order = [paths[written.index(name)] for name in quantity.components]
+    return variants(in_order, quantity.name)
+
+
+def time_ways(time: TimeMapping) -> list[tuple[Way, ...]]:
+    """Return the ways to the parts of a date, for each alternative.
+
+    Raises:
+        MappingError: A path is none, or they have different numbers of alternatives.
+    """
+    return variants([parse_path(text) for text in time.paths], "mapping.time")
+
+
+def check_time(time: TimeMapping, *, is_batch: bool, is_wanted: bool) -> None:
+    """Check what is said of time, whether or not dates are read.
+
+    Args:
+        time: What is said.
+        is_batch: Whether a message holds several samples.
+        is_wanted: Whether dates are read.
+
+    Raises:
+        MappingError: It cannot be, or has no effect.
+    """
+    if len(time.paths) > 2:
+        raise MappingError("mapping.time.paths takes one path, or seconds and nanoseconds")
+    if len(time.paths) == 1 and time.unit not in TIME_UNITS:
+        units = ", ".join(TIME_UNITS)
+        raise MappingError(f"mapping.time.unit is one of {units}, not {time.unit!r}")
+    if len(time.paths) != 1 and time.unit:
+        raise MappingError("mapping.time.unit has no effect without one path of time")
+    if time.interval and not is_batch:
+        raise MappingError("mapping.time.interval has no effect without [*] in mapping.*.paths")
+    if is_wanted and not time.paths:
+        raise MappingError("the device's time is wanted, but mapping.time.paths is empty")
+    _check_ways(time, is_batch=is_batch, is_wanted=is_wanted)
+
+
+def _check_ways(time: TimeMapping, *, is_batch: bool, is_wanted: bool) -> None:
+    ways = [way for alternative in time_ways(time) for way in alternative]
+    if any(way.sign < 0 for way in ways):
+        raise MappingError("mapping.time.paths takes no minus")
+    each = {EACH in way.steps for way in ways}
+    if len(each) == 2 or (is_wanted and True in each and not is_batch):
+        raise MappingError("[*] is in all of mapping.time.paths and of the quantities, or none")
+    if is_wanted and is_batch and True not in each and not time.interval:
+        raise MappingError(
+            "one date for several samples: put [*] into mapping.time.paths, or set "
+            "mapping.time.interval"
+        )
