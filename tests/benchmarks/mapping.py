@@ -8,8 +8,8 @@ noisy, so the rows take turns, and the cheapest of their turns counts.
 - mapping: `ImuMapping.compile()`, with every check
 
 `python tests/benchmarks/mapping.py FOLDER` has a row for another `rosbase` too, the one in a
-folder, such as the sources of the commit before. The two take turns: a plain preset must not cost more than
-1.05 times what it did.
+folder, such as the sources of the commit before. The two take turns: a plain preset must not cost
+more than 1.05 times what it did.
 """
 
 import json

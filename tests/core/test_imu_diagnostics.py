@@ -9,7 +9,7 @@ from rosbase.errors import DeviceNotFoundError
 from rosbase.lifecycle import CallbackReturn
 from rosbase.messages import DiagnosticArray, DiagnosticStatus
 from support.reader_rig import Rig
-from support.samples import GOOD_FRAME
+from support.samples import GOOD_FRAME, ORIENTATION_FAULTS
 
 
 class Diagnosed(Rig):
@@ -114,11 +114,13 @@ def test_the_figures_are_those_of_the_counts(rigs: Callable[..., Diagnosed]) -> 
         rig.send(GOOD_FRAME)
     for _ in range(3):
         rig.send(b"{}")
+    rig.send(ORIENTATION_FAULTS["P5 not unit"][0])
     values = rig.values()
     assert values["state"] == "active"
     assert values["transport"] == "scripted connected"
-    assert values["rate (Hz)"] == "30.0"
-    assert (values["published"], values["rejected"]) == ("30", "3")
+    assert values["rate (Hz)"] == "31.0"
+    assert (values["published"], values["rejected"]) == ("31", "3")
+    assert values["left out: bad_quaternion"] == "1"
     assert values["no_imu_data"] == "3"
     assert values["last data (s ago)"] == "1.0"
     assert rig.values()["rate (Hz)"] == "0.0"

@@ -545,6 +545,7 @@ def test_f_keys_with_dots_have_a_notation_and_axes_can_be_negated(rigs: Rigs) ->
         ({"magnetic_field_stddev": [1e-6]}, "magnetic_field_stddev has no effect"),
         ({"magnetic_field_full_scale": 0.1}, "magnetic_field_full_scale has no effect"),
         ({"orientation_stddev": [0.1]}, "orientation_stddev has no effect"),
+        ({"mapping.quaternion_tolerance": 0.1}, "mapping.quaternion_tolerance has no effect"),
         (
             {"mapping.time.paths": ["t"], "mapping.time.unit": "s"},
             "mapping.time.paths has no effect: time_source is arrival",

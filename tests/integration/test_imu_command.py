@@ -14,7 +14,7 @@ import pytest
 from rosbase.cli.output import Output
 from rosbase.cli.session import ReaderManager
 from support.command import RunningRosbase, run_rosbase, summary_of
-from support.samples import FAULTS, GOOD_FRAME, frame
+from support.samples import FAULTS, GOOD_FRAME, ORIENTATION_FAULTS, frame
 from support.serial_port import PluggablePort
 from support.waiting import wait_until
 
@@ -62,7 +62,7 @@ def test_each_bad_line_is_dropped_and_counted_and_the_next_good_line_comes_throu
             port.write(line + b"\n")
             next_sample(reader, port, number + 0.5)
         port.write(b"x" * 70_000 + b"\n")
-        next_sample(reader, port, 1000.5)
+        next_sample(reader, port, -1.5)
         assert reader.end(signal.SIGINT) == 0
     counts = summary_of(reader.err.lines)
     assert {reason: counts[reason] for reason in expected} == expected
@@ -70,6 +70,65 @@ def test_each_bad_line_is_dropped_and_counted_and_the_next_good_line_comes_throu
     assert counts["published"] == len(reader.out.lines)
     assert counts["received"] == counts["published"] + counts["rejected"] + counts["ignored"]
     assert "Traceback" not in reader.err
+
+
+def test_a_quantity_that_is_left_out_is_in_the_summary(port: PluggablePort) -> None:
+    expected: dict[str, int] = {}
+    with echoing(port) as reader:
+        for number, (line, reason) in enumerate(ORIENTATION_FAULTS.values(), start=1):
+            expected[f"left_out_{reason}"] = expected.get(f"left_out_{reason}", 0) + 1
+            port.write(line + b"\n")
+            next_sample(reader, port, number + 0.5)
+        assert reader.end(signal.SIGINT) == 0
+    counts = summary_of(reader.err.lines)
+    assert {name: counts[name] for name in expected} == expected
+    assert counts["rejected"] == 0
+    without = [line for line in reader.out.lines if '"orientation_covariance":[-1.0' in line]
+    assert len(without) == len(ORIENTATION_FAULTS)
+
+
+COLUMNS = """\
+preset = "custom"
+time_source = "device"
+[mapping.linear_acceleration]
+paths = ['"acc.x"[*]', '"acc.y"[*]', '-"acc.z"[*]']
+unit = "g"
+[mapping.time]
+paths = ["start"]
+unit = "ms"
+interval = "rate Hz"
+"""
+
+
+def test_a_message_with_several_samples_is_as_many_lines(
+    port: PluggablePort, tmp_path: Path
+) -> None:
+    file = tmp_path / "columns.toml"
+    file.write_text(COLUMNS)
+    port.plug()
+    with RunningRosbase(
+        "imu", "-p", f"device_path:={port.path}", "--params-file", str(file), "--topic-echo"
+    ) as reader:
+        reader.waits_for("opened")
+        start_ms = 1_812_345_678_000
+
+        def arrives() -> bool:
+            nonlocal start_ms
+            start_ms += 1_000
+            x, y, z = [0.0, 0.5, 1.0], [0.0] * 3, [-1.0] * 3
+            line = {"start": start_ms, "rate": 200, "acc.x": x, "acc.y": y, "acc.z": z}
+            port.write(json.dumps(line).encode() + b"\n")
+            return len(reader.out.lines) >= 3
+
+        wait_until(arrives, "three samples")
+        assert reader.end(signal.SIGINT) == 0
+    samples = [json.loads(line) for line in reader.out.lines]
+    assert len(samples) % 3 == 0
+    first = [sample["linear_acceleration"] for sample in samples[:3]]
+    assert [a["x"] for a in first] == [0.0, 0.5 * 9.80665, 9.80665]
+    assert {a["z"] for a in first} == {9.80665}
+    stamps = [sample["header"]["stamp"]["nanosec"] for sample in samples[:3]]
+    assert stamps == [0, 5_000_000, 10_000_000]
 
 
 def test_each_published_sample_is_one_line_of_json_in_the_default_shape(

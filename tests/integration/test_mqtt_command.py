@@ -86,6 +86,33 @@ def test_each_fault_counts_as_it_does_over_serial_and_the_next_good_sample_comes
 
 
 @needs_mosquitto
+def test_conditions_on_the_command_line_find_the_sensors_of_a_phone(broker: Mosquitto) -> None:
+    options = [
+        "-p", "preset:=custom", "-p", "mapping.required:=[linear_acceleration, angular_velocity]",
+        "-p", "mapping.linear_acceleration.unit:=m/s^2",
+        "-p", "mapping.angular_velocity.unit:=rad/s",
+    ]  # fmt: skip
+    for quantity, sensor in (("linear_acceleration", "acc"), ("angular_velocity", "gyr")):
+        paths = ", ".join(f"payload[name={sensor}].values.{axis}" for axis in "xyz")
+        options += ["-p", f"mapping.{quantity}.paths:=[{paths}]"]
+    acc = {"name": "acc", "values": {"x": 0.0, "y": 0.1, "z": 9.7}}
+    gyr = {"name": "gyr", "values": {"x": 0.1, "y": 0.0, "z": 0.2}}
+    with reading(broker, *options) as reader:
+        for number, order in enumerate(([acc, gyr], [gyr, acc], [gyr], [acc, acc, gyr])):
+            broker.publish(json.dumps({"messageId": number, "payload": order}).encode())
+        wait_until(lambda: len(reader.out.lines) == 2, "two samples")
+        broker.publish(json.dumps({"payload": [acc, gyr]}).encode())
+        wait_until(lambda: len(reader.out.lines) == 3, "the sample after those that are refused")
+        assert reader.end(signal.SIGINT) == 0
+    for line in reader.out.lines:
+        sample = json.loads(line)
+        assert sample["linear_acceleration"] == acc["values"]
+        assert sample["angular_velocity"] == gyr["values"]
+    counts = summary_of(reader.err.lines)
+    assert (counts["missing_group"], counts["surplus"]) == (1, 1)
+
+
+@needs_mosquitto
 @pytest.mark.parametrize("preset", SHAPES)
 def test_each_payload_shape_gives_the_samples_that_it_gives_over_serial(
     broker: Mosquitto, tmp_path: Path, preset: str

@@ -41,6 +41,8 @@ def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) ->
     yield f"ignored {counts.ignored}"
     for reason, number in sorted(counts.by_reason.items()):
         yield f"{reason} {number}"
+    for reason, number in sorted(counts.left_out.items()):
+        yield f"left_out_{reason} {number}"
     if counts.time_unusable:
         yield f"time_unusable {counts.time_unusable}"
     yield f"dropped {dropped}"

@@ -106,6 +106,8 @@ class Diagnostics:
         yield "ignored", str(counts.ignored)
         for reason, number in sorted(counts.by_reason.items()):
             yield reason, str(number)
+        for reason, number in sorted(counts.left_out.items()):
+            yield f"left out: {reason}", str(number)
         yield "time unusable", str(counts.time_unusable)
         yield "reconnects", str(transport.reconnects)
         yield "last error", transport.last_error

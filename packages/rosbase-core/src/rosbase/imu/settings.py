@@ -263,6 +263,9 @@ def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iter
             spec = _SPECS.get(f"{group}_{kind}")
             if spec is not None and get(spec.name) != spec.default:
                 yield f"{spec.name} has no effect: mapping.{group}.paths is empty"
+    tolerance = _SPECS["mapping.quaternion_tolerance"]
+    if not settings.mapping.orientation_paths and get(tolerance.name) != tolerance.default:
+        yield f"{tolerance.name} has no effect: mapping.orientation.paths is empty"
     if not settings.uses_device_time and _is_given("mapping.time.paths", get):
         yield "mapping.time.paths has no effect: time_source is arrival"
 

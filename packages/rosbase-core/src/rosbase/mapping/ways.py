@@ -21,9 +21,8 @@ def quantity_ways(quantity: Quantity) -> list[tuple[Way, ...]]:
         (lone,) = paths
         paths = [tuple(Way((*way.steps, at), way.sign) for way in lone) for at in range(count)]
     if len(paths) != count:
-        raise MappingError(
-            f"mapping.{quantity.name}.paths takes {count} paths or one, not {len(paths)}"
-        )
+        takes = f"{count} paths or one" if count > 1 else "one path"
+        raise MappingError(f"mapping.{quantity.name}.paths takes {takes}, not {len(paths)}")
     written = quantity.written or quantity.components
     in_order = [paths[written.index(name)] for name in quantity.components]
     return variants(in_order, quantity.name)
