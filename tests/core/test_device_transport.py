@@ -6,6 +6,8 @@ import pytest
 
 from rosbase.clock import SystemClock
 from rosbase.contracts.transport import TransportContext, TransportState
+from rosbase.device import DeviceTransport
+from rosbase.framing import FrameEvent, Framer, LineFramer
 from rosbase.logger import RosbaseLogger
 from rosbase.testing import RecordingSubscriber
 from support.fifo import FifoDevice, FifoPeer, make_transport
@@ -37,4 +39,29 @@ def test_a_device_that_raises_when_it_is_closed_is_logged_and_opened_again(
     failures = [message for message in caplog.messages if "closing" in message]
     assert len(failures) == 2
     assert all("Input/output error" in message for message in failures)
+    peer.close()
+
+
+class OfBytes:
+    """A framer that does not say how many bytes it waits with."""
+
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        return []
+
+    def reset(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(("framer", "pending"), [(LineFramer(), 600), (OfBytes(), 0), (None, 0)])
+def test_health_says_how_many_bytes_wait_for_an_end_if_the_framer_does(
+    tmp_path: Path, framer: Framer | None, pending: int
+) -> None:
+    peer = FifoPeer(tmp_path)
+    context = TransportContext(SystemClock(), RosbaseLogger("device"))
+    transport = DeviceTransport(lambda: FifoDevice(str(peer.path)), context, framer=framer)
+    transport.start(RecordingSubscriber())
+    peer.send_raw(b"ends\n" + b"x" * 600)
+    wait_until(lambda: transport.health.received_bytes == 605, "the bytes")
+    wait_until(lambda: transport.health.pending_bytes == pending, "those that wait")
+    transport.close()
     peer.close()

@@ -5,7 +5,14 @@ import pytest
 from rosbase.framing import Framer
 from rosbase.testing import BrokenPromiseError, FramerContract
 from rosbase.testing.framer_promises import FRAMER_PROMISES
-from support.mutants.framers import FRAMER_MUTANTS, FramerMutant, GivingNothing, Unwritten, of
+from support.mutants.framers import (
+    FRAMER_MUTANTS,
+    FramerMutant,
+    GivingNothing,
+    Remembering,
+    Unwritten,
+    of,
+)
 
 pytestmark = pytest.mark.usefixtures("same_cases")
 
@@ -28,6 +35,11 @@ def test_no_check_of_a_framer_is_without_a_mutant() -> None:
     checks = [name for name in vars(FramerContract) if name.startswith("test_")]
     assert {name.removeprefix("test_").replace("_", "-") for name in checks} == NAMES
     assert {mutant.promise for mutant in FRAMER_MUTANTS} == NAMES
+
+
+def test_a_framer_need_not_say_how_many_bytes_are_pending() -> None:
+    with pytest.raises(pytest.skip.Exception, match="has no pending_bytes"):
+        of(Remembering)().test_pending_bytes_are_those_since_the_last_end()
 
 
 @pytest.mark.parametrize("name", sorted(NAMES - {"a-framer-is-made"}))

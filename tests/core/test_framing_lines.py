@@ -57,3 +57,15 @@ def test_the_error_is_stamped_when_the_lost_line_began() -> None:
 def test_a_limit_below_one_byte_is_refused() -> None:
     with pytest.raises(ValueError, match="max_line_bytes"):
         LineFramer(0)
+
+
+@given(st.lists(st.binary(max_size=30)))
+def test_pending_bytes_are_those_behind_the_last_end_of_a_line(chunks: list[bytes]) -> None:
+    framer = LineFramer(max_line_bytes=10)
+    fed = b""
+    for chunk in chunks:
+        framer.feed(chunk, 0)
+        fed += chunk
+        assert framer.pending_bytes == len(fed.replace(b"\r", b"\n").rpartition(b"\n")[2])
+    framer.reset()
+    assert framer.pending_bytes == 0

@@ -283,6 +283,43 @@ class Shared(Remembering):
         self.inner = self.common
 
 
+class PendingForEver(LineFramer):
+    """Does not begin again where a frame ends."""
+
+    fed = 0
+
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        events = super().feed(data, stamp_ns)
+        self.fed += len(data)
+        self.pending_bytes = self.fed
+        return events
+
+    def reset(self) -> None:
+        super().reset()
+        self.fed = 0
+
+
+class PendingOverReset(PendingForEver):
+    def reset(self) -> None:
+        pass
+
+
+class PendingAsKept(LineFramer):
+    """Of what is too long it keeps nothing, and says that nothing came."""
+
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        events = super().feed(data, stamp_ns)
+        self.pending_bytes = len(self._partial)
+        return events
+
+
+class PendingChunks(LineFramer):
+    def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
+        events = super().feed(data, stamp_ns)
+        self.pending_bytes = min(self.pending_bytes, 1)
+        return events
+
+
 def of(framer: type[Framer]) -> type[FramerContract]:
     """The contract of lines, on another framer."""
     return type(framer.__name__, (LineContract,), {"framer": framer})
@@ -314,6 +351,15 @@ FRAMER_MUTANTS = [
     FramerMutant("stamps-never-go-back", "had the stamps", of(StampingAnyhow)),
     FramerMutant("reset-forgets-a-begun-frame", "after reset", of(Remembering)),
     FramerMutant("reset-forgets-a-begun-frame", "after reset", of(StillDiscarding)),
+    *(
+        FramerMutant("pending-bytes-are-those-since-the-last-end", seen, of(framer))
+        for seen, framer in (
+            ("behind a whole frame of", PendingForEver),
+            ("after reset", PendingOverReset),
+            ("it was 0, not from 1 to 200000", PendingAsKept),
+            ("after half a frame of", PendingChunks),
+        )
+    ),
     FramerMutant("an-error-has-a-reason-of-one-word", "'line too long'", of(Talking)),
     FramerMutant("an-error-has-a-reason-of-one-word", "there were 30 reasons", of(Numbering)),
     FramerMutant("an-error-has-a-reason-of-one-word", "reasons", of(Telling)),

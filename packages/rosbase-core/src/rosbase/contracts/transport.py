@@ -14,6 +14,11 @@ Coming back after the device was lost is the transport's duty, as long as it is 
 device is alive is known by one thing only: that data arrived. What a transport does for itself
 while it is stopped, and its state then when the device is away, is its own affair.
 
+`on_frame` answers whether a sample came of the frame. Arrival proves that a device is alive, and a
+sample proves that it is the right one: a transport with a choice between sources, such as the
+topics under a wildcard, chooses by the answer. Nothing else depends on it: whatever `on_frame`
+answers or raises, the next frame is handed over.
+
 Dates and monotonic times are those of the context's clock. The log says each change in a line,
 and nothing of each try. `Tally` counts and `hand_over` calls `on_frame` as promised here.
 `rosbase.testing.TransportContract` checks all of it.
@@ -43,8 +48,11 @@ __all__ = [
 
 _CALLBACK_LOG_S = 5.0
 
-OnFrame: TypeAlias = Callable[[bytes, int], object]
-"""`on_frame(frame, stamp_ns)`: one whole frame, and when its first bytes were read."""
+OnFrame: TypeAlias = Callable[[bytes, int], bool | None]
+"""`on_frame(frame, stamp_ns)`: take one frame, stamped when its first bytes were read.
+
+Return whether a sample came of it. None means that the callback does not know.
+"""
 
 
 class TransportState(Enum):
@@ -75,6 +83,8 @@ class TransportHealth:
 
     Empty if neither happened, or once the device is back and has proved to stay.
     """
+    pending_bytes: int = 0
+    """Bytes that arrived since the last end of a frame, as far as the transport knows."""
 
 
 @define
@@ -112,17 +122,26 @@ class TransportContext:
 
     clock: Clock
     logger: RosbaseLogger
+    stale_timeout_s: float = 1.0
+    """Seconds without a sample after which a device counts as silent: the reader's parameter."""
 
 
-def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLogger) -> None:
-    """Calls `on_frame`. What that raises is logged, at a limited rate: the stream goes on."""
+def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLogger) -> bool:
+    """Call `on_frame`; log what it raises, at a limited rate.
+
+    Returns:
+        Whether a sample came of the frame. An answer that is no bool, such as None, counts as
+        yes: a program that does not know is served as if every frame were a sample. A call that
+        raises counts as no.
+    """
     try:
-        on_frame(frame, stamp_ns)
+        return on_frame(frame, stamp_ns) is not False
     except BaseException as error:
         # The boundary to the user's code. Base: one that calls sys.exit() would end the thread
         # only, in silence.
         if logger.due("on_frame", _CALLBACK_LOG_S):
             logger.error(f"on_frame raised {error!r}", exc_info=error)
+        return False
 
 
 class Transport(ABC):
@@ -146,8 +165,8 @@ class Transport(ABC):
 
         Opens the device if it is not open. What the device sent before is discarded: it is not
         known when. What it sends once `start` has returned is handed over. An exception from
-        `on_frame` is logged, and reading goes on. Does nothing if the reader runs: whoever wants
-        another `on_frame` stops it first.
+        `on_frame` is logged, and reading goes on, as it does after any answer. Does nothing if
+        the reader runs: whoever wants another `on_frame` stops it first.
 
         Raises:
             TransportError: The transport is not open, and opening it failed; or the system has

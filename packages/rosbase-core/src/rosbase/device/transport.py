@@ -2,6 +2,8 @@
 
 import threading
 
+from attrs import evolve
+
 from rosbase.contracts.transport import (
     OnFrame,
     Tally,
@@ -135,7 +137,9 @@ class DeviceTransport(Transport):
     @property
     def health(self) -> TransportHealth:
         """How it is doing."""
-        return self._tally.health(self._state())
+        # A framer need not know how many bytes wait for the end of a frame.
+        pending = getattr(self._framer, "pending_bytes", 0)
+        return evolve(self._tally.health(self._state()), pending_bytes=pending)
 
     def _state(self) -> TransportState:
         if self.is_open:

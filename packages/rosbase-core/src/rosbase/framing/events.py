@@ -27,7 +27,11 @@ FrameEvent: TypeAlias = Frame | FrameError
 
 
 class Framer(Protocol):
-    """Bytes in, frames out. No I/O, bounded memory, the same frames for every chunking."""
+    """Bytes in, frames out. No I/O, bounded memory, the same frames for every chunking.
+
+    A framer may have an attribute `pending_bytes`: how many bytes it was fed since the last end of
+    a frame. With it, a reader can say why a device that sends gives no frames.
+    """
 
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
         """Takes what was read at `stamp_ns` and gives what it completes, in order."""

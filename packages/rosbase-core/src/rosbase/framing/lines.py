@@ -19,7 +19,7 @@ class LineFramer:
     `overlong` error, and framing goes on behind its end.
     """
 
-    __slots__ = ("_discarding", "_max_line_bytes", "_partial", "_stamp_ns")
+    __slots__ = ("_discarding", "_max_line_bytes", "_partial", "_stamp_ns", "pending_bytes")
 
     def __init__(self, max_line_bytes: int = DEFAULT_MAX_LINE_BYTES) -> None:
         """Starts empty.
@@ -33,6 +33,8 @@ class LineFramer:
         self._partial = bytearray()
         self._stamp_ns = 0
         self._discarding = False
+        self.pending_bytes = 0
+        """How many bytes came since the last end of a line, kept or not."""
 
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
         """Takes bytes read at `stamp_ns` and gives the lines that they complete, in order."""
@@ -43,6 +45,7 @@ class LineFramer:
                 self._end_begun_line(piece, events)
             else:
                 self._add(piece, stamp_ns, events)
+        self.pending_bytes = len(rest) if whole else self.pending_bytes + len(rest)
         if rest:
             self._begin_or_continue(rest, stamp_ns, events)
         return events
@@ -51,6 +54,7 @@ class LineFramer:
         """Forgets a begun line."""
         self._partial.clear()
         self._discarding = False
+        self.pending_bytes = 0
 
     def _end_begun_line(self, piece: bytes, events: list[FrameEvent]) -> None:
         if not self._discarding:

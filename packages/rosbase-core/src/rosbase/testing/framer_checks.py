@@ -10,6 +10,7 @@ from rosbase.testing.framer_promises import (
     JUNK,
     MEMORY,
     NOT_RAISING,
+    PENDING,
     REASONS,
     RESET,
     SEPARATE,
@@ -29,6 +30,7 @@ __all__ = [
     "check_junk_spoils_few_frames",
     "check_memory_is_bounded",
     "check_memory_is_bounded_while_frames_come",
+    "check_pending_bytes",
     "check_reset_forgets_a_begun_frame",
     "check_stamp_after_junk",
     "check_stamp_is_that_of_the_first_bytes",
@@ -189,6 +191,34 @@ def check_reset_forgets_a_begun_frame(
     framer.reset()
     events = framer.feed(encode(payload), 200)
     RESET.require(events == [Frame(payload, 200)], f"after reset, {payload!r} gave {events}")
+
+
+def check_pending_bytes(
+    make_framer: MakeFramer, encode: Encode, endless: bytes, payload: bytes, most_lost: int = 1
+) -> bool:
+    """Raise BrokenPromiseError if `pending_bytes` is wrong; return False if there is none."""
+    framer, encoded = make_framer(), encode(payload)
+
+    def require(least: int, most: int, when: str) -> None:
+        said = getattr(framer, "pending_bytes", None)
+        is_so = isinstance(said, int) and least <= said <= most
+        seen = f"{least}" if least == most else f"from {least} to {most}"
+        PENDING.require(is_so, f"it was {said!r}, not {seen}, {when}")
+
+    framer.feed(endless, 0)
+    if not hasattr(framer, "pending_bytes"):
+        return False
+    # What is given up as too long may count as an end.
+    require(1, len(endless), f"after {len(endless)} bytes that never end a frame")
+    framer.reset()
+    require(0, 0, "after reset")
+    framer.feed(encoded * (most_lost + 1), 0)
+    require(0, len(encoded), f"behind a whole frame of {len(encoded)} bytes")
+    framer.reset()
+    half = len(encoded) // 2
+    framer.feed(encoded[:half], 0)
+    require(half, half, f"after half a frame of {len(encoded)} bytes")
+    return True
 
 
 def check_error_reasons(make_framer: MakeFramer, chunks: Iterable[bytes]) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any, ClassVar
 
+import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,7 @@ from rosbase.testing.framer_promises import (
     JUNK,
     MEMORY,
     NOT_RAISING,
+    PENDING,
     REASONS,
     RESET,
     SEPARATE,
@@ -60,6 +62,9 @@ class _Guarded:
     def __init__(self, framer: Framer) -> None:
         self._framer = framer
         self.reset = framer.reset
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._framer, name)
 
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
         events = self._framer.feed(data, stamp_ns)
@@ -193,6 +198,22 @@ class FramerContract:
                 )
 
         self._try(st.tuples(self._begun(), self.payloads()), check)
+
+    @_check(PENDING)
+    def test_pending_bytes_are_those_since_the_last_end(self) -> None:
+        has_it: list[bool] = []
+
+        def check(payload: bytes) -> None:
+            for endless in (self.endless, self._far_too_long):
+                has_it.append(
+                    framer_checks.check_pending_bytes(
+                        self._make, self._encode, endless, payload, self.frames_lost_after_junk
+                    )
+                )
+
+        self._try(self.payloads(), check)
+        if not all(has_it):
+            pytest.skip("the framer has no pending_bytes")
 
     @_check(REASONS)
     def test_an_error_has_a_reason_of_one_word(self) -> None:

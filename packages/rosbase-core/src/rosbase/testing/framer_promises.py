@@ -10,6 +10,7 @@ __all__ = [
     "JUNK",
     "MEMORY",
     "NOT_RAISING",
+    "PENDING",
     "REASONS",
     "RESET",
     "SEPARATE",
@@ -70,6 +71,11 @@ RESET = Promise(
     "After reset, what comes next does not continue what was begun.",
     _PAGE,
 )
+PENDING = Promise(
+    "pending-bytes-are-those-since-the-last-end",
+    "pending_bytes, where there is one, says how many bytes were fed since a frame ended.",
+    _PAGE,
+)
 REASONS = Promise(
     "an-error-has-a-reason-of-one-word",
     "The reason of a FrameError is one word, from a few, so that it can be counted.",
@@ -83,5 +89,5 @@ SEPARATE = Promise(
 
 FRAMER_PROMISES = (
     *(FRAMER, UNALTERED, CHUNKING, JUNK, NOT_RAISING, MEMORY, ERRORS),
-    *(STAMPS, STAMP_ORDER, RESET, REASONS, SEPARATE),
+    *(STAMPS, STAMP_ORDER, RESET, PENDING, REASONS, SEPARATE),
 )

@@ -33,21 +33,20 @@ class RecordingSubscriber:
         Args:
             clock: Dates the arrivals; the system's by default.
             then: Called after a frame has been kept, with the same arguments, for whatever else
-                the subscriber is to do, such as raise.
+                the subscriber is to do, such as raise. What it returns is the answer.
         """
         self._clock = clock or SystemClock()
         self._then = then
         self._received: list[Received] = []
         self._has_changed = threading.Condition()
 
-    def __call__(self, frame: bytes, stamp_ns: int) -> None:
-        """Keeps a frame."""
+    def __call__(self, frame: bytes, stamp_ns: int) -> bool | None:
+        """Keep a frame; answer as `then` does, or None."""
         received = Received(frame, stamp_ns, self._clock.now_ns(), threading.current_thread())
         with self._has_changed:
             self._received.append(received)
             self._has_changed.notify_all()
-        if self._then is not None:
-            self._then(frame, stamp_ns)
+        return None if self._then is None else self._then(frame, stamp_ns)
 
     @property
     def received(self) -> list[Received]:

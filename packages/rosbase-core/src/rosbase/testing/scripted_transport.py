@@ -36,6 +36,8 @@ class ScriptedTransport(Transport):
         """What health is to report; `open` and `close` set it."""
         self.last_data_ns: int | None = None
         """What health is to report; `deliver` sets it."""
+        self.pending_bytes = 0
+        """What health is to report."""
         self._on_frame: OnFrame | None = None
 
     def open(self) -> None:
@@ -74,10 +76,11 @@ class ScriptedTransport(Transport):
             frame_errors=self.frame_errors,
             last_data_ns=self.last_data_ns,
             last_error=str(self.failure or ""),
+            pending_bytes=self.pending_bytes,
         )
 
-    def deliver(self, frame: bytes, stamp_ns: int = 0) -> None:
-        """One frame from the device.
+    def deliver(self, frame: bytes, stamp_ns: int = 0) -> bool | None:
+        """Hand one frame over; return the answer of `on_frame`.
 
         Raises:
             RuntimeError: It has not been started.
@@ -85,4 +88,4 @@ class ScriptedTransport(Transport):
         if self._on_frame is None:
             raise RuntimeError("the transport has not been started")
         self.last_data_ns = self.context.clock.monotonic_ns()
-        self._on_frame(frame, stamp_ns)
+        return self._on_frame(frame, stamp_ns)

@@ -1,6 +1,8 @@
 """The thread that hands over, and the stamps that it gives."""
 
-from itertools import pairwise
+from collections.abc import Iterable
+from itertools import cycle, pairwise
+from typing import Any
 
 from rosbase.contracts.transport import TransportState
 from rosbase.testing.recording import RecordingSubscriber
@@ -14,6 +16,13 @@ from rosbase.testing.transport_kit.guarded_transport import GuardedTransport
 __all__ = ["DeliveryChecks"]
 
 _SOME, _MANY = 40, 100
+# What on_frame may do, frame by frame: answer that a sample came or none, or not say, or raise.
+_ANSWERS: dict[str, tuple[object, ...]] = {
+    "True": (True,),
+    "False": (False,),
+    "None": (None,),
+    "one thing after another": (True, False, None, ValueError("no good"), 0, "no", False, False),
+}
 
 
 class DeliveryChecks(TransportAuthor):
@@ -58,6 +67,23 @@ class DeliveryChecks(TransportAuthor):
             lines = sum(repr(error) in line for line in bench.log.lines)
             seen = f"{error!r} was logged {lines} times for {_SOME} frames"
             bench.require(lines <= _SOME // 4, seen)
+
+    @check()
+    def test_what_on_frame_answers_changes_nothing_in_delivery(self, bench: Bench) -> None:
+        """Whatever on_frame answers, the next frames of a device are handed over, each once."""
+        for name, answers in _ANSWERS.items():
+            peer, transport, subscriber = _answering(bench, answers)
+            sent = bench.payloads(_SOME)
+            peer.send(*sent)
+            if not bench.arrives(subscriber, len(sent)):
+                came = len(subscriber.frames)
+                raise bench.promise.broken(f"{came} of {_SOME} frames came when it answered {name}")
+            # What is handed over twice has been by then.
+            transport.stop()
+            bench.require_frames(subscriber, sent)
+            counted = transport.health.frames
+            seen = f"health.frames was {counted} when it answered {name}, not {_SOME}"
+            bench.require(counted == _SOME, seen)
 
     @check()
     def test_a_reader_that_dies_is_noticed(self, bench: Bench) -> None:
@@ -146,12 +172,23 @@ def _raising(
     bench: Bench, error: BaseException
 ) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
     """A transport whose subscriber raises that at every frame."""
+    return _answering(bench, (error,))
 
-    def fail(frame: bytes, stamp_ns: int) -> None:
-        raise error
+
+def _answering(
+    bench: Bench, answers: Iterable[object]
+) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
+    """A transport whose subscriber answers these in turn; those that are exceptions it raises."""
+    turns = cycle(answers)
+
+    def answer(frame: bytes, stamp_ns: int) -> Any:
+        given = next(turns)
+        if isinstance(given, BaseException):
+            raise given
+        return given
 
     peer = bench.peer()
     transport = bench.transport(peer)
-    subscriber = RecordingSubscriber(then=fail)
+    subscriber = RecordingSubscriber(then=answer)
     transport.start(subscriber)
     return peer, transport, subscriber
