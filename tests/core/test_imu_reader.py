@@ -276,7 +276,7 @@ def test_nothing_but_noise_is_warn_and_says_check_the_baud_rate(rigs: Callable[.
     rig = rigs().activate()
     for _ in range(5):
         rig.send(b"\xff\xfe")
-    rig.pass_time(0.5)
+        rig.pass_time(0.3)
     assert rig.reader.health.level is HealthLevel.WARN
     assert "check the baud rate" in rig.reader.health.message
 

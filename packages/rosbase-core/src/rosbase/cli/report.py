@@ -27,13 +27,17 @@ def status_line(
     ]
     if last is not None:
         parts.append(_sample(last))
-    if reader.health.level is not HealthLevel.OK:
-        parts.insert(0, f"{reader.health.level.name} {reader.health.message}")
+    health = reader.check_health()
+    if health.level is not HealthLevel.OK:
+        parts.insert(0, f"{health.level.name} {health.message}")
     return "  ".join(parts)
 
 
 def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) -> Iterator[str]:
-    """One count per line, the word first; the latency in milliseconds, if it was measured."""
+    """One count per line, the word first; the latency in milliseconds, if it was measured.
+
+    And how the reader was when it was last active, if something was wrong.
+    """
     counts = reader.counts
     yield f"received {counts.received}"
     yield f"published {counts.published}"
@@ -50,6 +54,9 @@ def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) ->
     if latency is not None and latency.count:
         yield f"latency_p50_ms {_ms(latency, 50):.3f}"
         yield f"latency_p99_ms {_ms(latency, 99):.3f}"
+    health = reader.last_health
+    if health.level is not HealthLevel.OK:
+        yield f"health {health.level.name} {health.message}"
 
 
 def _ms(latency: Histogram, percent: float) -> float:

@@ -31,8 +31,7 @@ class _Reader(Protocol):
 
     def get_state(self) -> State: ...
 
-    @property
-    def health(self) -> Health: ...
+    def check_health(self) -> Health: ...
 
     @property
     def counts(self) -> CountsSnapshot: ...
@@ -57,7 +56,7 @@ class Diagnostics:
         self._clock: Clock = backend.clock
         self._name = f"{backend.node_name}: IMU"
         self._failure = ""
-        self._published = 0
+        self._published = self._rejected = 0
         self._reported_ns = self._clock.monotonic_ns()
         self._publish = backend.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, _DEPTH).publish
         backend.create_timer(_PERIOD_S, self._report)
@@ -74,7 +73,8 @@ class Diagnostics:
         self._publish(DiagnosticArray(Header(self._clock.now()), (self._status(),)))
 
     def _status(self) -> DiagnosticStatus:
-        state, health = self._reader.get_state(), self._reader.health
+        # Judged now: half a period later, a first sample would be news of the second before.
+        state, health = self._reader.get_state(), self._reader.check_health()
         if state is State.ACTIVE:
             level, message = int(health.level), health.message
         elif self._failure:
@@ -98,7 +98,9 @@ class Diagnostics:
         now_ns = self._clock.monotonic_ns()
         yield "state", state.label
         yield "transport", f"{settings.transport.name} {transport.state.value}"
-        yield "rate (Hz)", f"{self._rate_hz(counts.published, now_ns):.1f}"
+        published_hz, rejected_hz = self._rates_hz(counts, now_ns)
+        yield "rate (Hz)", f"{published_hz:.1f}"
+        yield "rejected rate (Hz)", f"{rejected_hz:.1f}"
         if transport.last_data_ns is not None:
             yield "last data (s ago)", f"{(now_ns - transport.last_data_ns) / _NS_PER_S:.1f}"
         yield "published", str(counts.published)
@@ -112,8 +114,10 @@ class Diagnostics:
         yield "reconnects", str(transport.reconnects)
         yield "last error", transport.last_error
 
-    def _rate_hz(self, published: int, now_ns: int) -> float:
-        """Samples that were published in each second since this was last asked."""
-        rate_hz = (published - self._published) * _NS_PER_S / max(1, now_ns - self._reported_ns)
-        self._published, self._reported_ns = published, now_ns
-        return rate_hz
+    def _rates_hz(self, counts: CountsSnapshot, now_ns: int) -> tuple[float, float]:
+        """Return how many samples went out and how many frames were rejected, in each second."""
+        per_s = _NS_PER_S / max(1, now_ns - self._reported_ns)
+        published, rejected = counts.published, counts.rejected
+        rates = (published - self._published) * per_s, (rejected - self._rejected) * per_s
+        self._published, self._rejected, self._reported_ns = published, rejected, now_ns
+        return rates

@@ -7,7 +7,7 @@ from rosbase.imu.date_order import DateOrder
 from rosbase.imu.mapping import Sample, SampleReader
 from rosbase.imu.outlet import Outlet
 from rosbase.imu.plausibility import Plausibility
-from rosbase.imu.rejects import IGNORED, REASONS
+from rosbase.imu.rejects import IGNORED, REASONS, REJECT_LOG_S
 from rosbase.imu.settings import ReaderSettings
 from rosbase.imu.undated import Undated
 from rosbase.logger import RosbaseLogger
@@ -16,8 +16,6 @@ from rosbase.mapping.rejects import Reject
 from rosbase.mapping.spreading import Spreading
 
 __all__ = ["Pipeline"]
-
-_REJECT_LOG_S = 5.0
 
 
 class Pipeline:
@@ -107,13 +105,13 @@ class Pipeline:
                 number = self._counts.time_unusable
             else:
                 number = self._counts.leave_out(reject.reason)
-            if self._logger.due(f"left out {reject.reason}", _REJECT_LOG_S):
+            if self._logger.due(f"left out {reject.reason}", REJECT_LOG_S):
                 self._logger.warning(f"used only part of {_told(frame, reject, number)}")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)
         # One line per reason and interval: a noisy line must not become a noisy log.
-        if self._logger.due(f"reject {reject.reason}", _REJECT_LOG_S):
+        if self._logger.due(f"reject {reject.reason}", REJECT_LOG_S):
             number = self._counts.by_reason[reject.reason]
             say = self._logger.info if reject.reason in IGNORED else self._logger.warning
             say(f"dropped {_told(frame, reject, number)}")

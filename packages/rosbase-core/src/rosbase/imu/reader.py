@@ -10,7 +10,8 @@ from rosbase.contracts.transport import Transport, TransportContext, TransportHe
 from rosbase.errors import ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.diagnostics import Diagnostics
-from rosbase.imu.health import Health, HealthLevel, judge_health
+from rosbase.imu.health import Health, HealthLevel
+from rosbase.imu.health_monitor import HealthMonitor
 from rosbase.imu.outlet import Outlet, Publishers
 from rosbase.imu.pipeline import Pipeline
 from rosbase.imu.plugin_calls import finished, make_transport
@@ -26,7 +27,8 @@ DEFAULT_NODE_NAME = "lifecycle_manager"
 
 # Ten seconds of a fast IMU, for a subscriber that stalls.
 _DEPTH = 10_000
-_HEALTH_PERIOD_S = 0.5
+_HEALTH_PERIOD_S = 0.25
+_NOT_ACTIVE = Health(HealthLevel.OK, "not active")
 _NO_DEFAULTS: Mapping[str, ParameterValue] = {}
 
 
@@ -74,10 +76,9 @@ class ImuReader(LifecycleNode):
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
         self._pipeline: Pipeline | None = None
-        self._before = self.counts
-        self._monitor: Timer | None = None
-        self._activated_ns = 0
-        self._health = Health(HealthLevel.OK, "not active")
+        self._monitor: HealthMonitor | None = None
+        self._monitor_timer: Timer | None = None
+        self._last_health = _NOT_ACTIVE
         self.add_transition_listener(Diagnostics(self, self._backend).note)
 
     # What users look at.
@@ -94,8 +95,19 @@ class ImuReader(LifecycleNode):
 
     @property
     def health(self) -> Health:
-        """How the reader is, as last judged; twice a second while active."""
-        return self._health
+        """How the reader is, as last judged; four times a second while active."""
+        return self._monitor.health if self._monitor else _NOT_ACTIVE
+
+    @property
+    def last_health(self) -> Health:
+        """How the reader is, or was when it was last active."""
+        return self._last_health if self._monitor is None else self._monitor.health
+
+    def check_health(self) -> Health:
+        """Judge the health now, and return it. Call it on the main-loop thread only."""
+        if self._monitor is not None:
+            self._monitor.look()
+        return self.health
 
     @property
     def settings(self) -> ReaderSettings:
@@ -130,16 +142,17 @@ class ImuReader(LifecycleNode):
         """Starts the reader thread, taking the device again if need be."""
         assert self._transport is not None
         assert self._pipeline is not None
-        self._activated_ns = self.get_clock().monotonic_ns()
-        self._before = self.counts
         try:
             self._transport.open()
+            # Not before: reaching a device may take longer than it may be silent.
+            monitor = self._make_monitor(self._transport, self._pipeline)
             self._transport.start(self._pipeline.take)
         except TransportError as error:
             self._transport.close()
             self.last_error = error
             return CallbackReturn.FAILURE
-        self._monitor = self.create_timer(_HEALTH_PERIOD_S, self._watch)
+        self._monitor = monitor
+        self._monitor_timer = self.create_timer(_HEALTH_PERIOD_S, monitor.look)
         return CallbackReturn.SUCCESS
 
     def on_deactivate(self, previous_state: State) -> CallbackReturn:
@@ -167,12 +180,12 @@ class ImuReader(LifecycleNode):
         self._release()
 
     def _stop_reading(self) -> None:
-        if self._monitor is not None:
-            self.destroy_timer(self._monitor)
-            self._monitor = None
+        if self._monitor_timer is not None:
+            self.destroy_timer(self._monitor_timer)
+        self._last_health = self.last_health
+        self._monitor = self._monitor_timer = None
         if self._transport is not None:
             self._transport.close()
-        self._health = Health(HealthLevel.OK, "not active")
 
     def _release(self) -> None:
         self._stop_reading()
@@ -181,8 +194,18 @@ class ImuReader(LifecycleNode):
         self._publishers.clear()
 
     def _make_transport(self, settings: ReaderSettings) -> Transport:
-        context = TransportContext(self.get_clock(), self.logger)
+        context = TransportContext(self.get_clock(), self.logger, settings.stale_timeout_s)
         return make_transport(settings.transport, settings.transport_values, context)
+
+    def _make_monitor(self, transport: Transport, pipeline: Pipeline) -> HealthMonitor:
+        return HealthMonitor(
+            transport,
+            self._counts,
+            lambda: pipeline.finding,
+            self._settings.stale_timeout_s,
+            self.get_clock(),
+            self.logger,
+        )
 
     def _replace_transport(self, transport: Transport) -> None:
         """Takes the new transport; what the one before it has counted is kept."""
@@ -200,27 +223,3 @@ class ImuReader(LifecycleNode):
 
     def _value(self, name: str) -> Any:
         return self.get_parameter(name).value
-
-    # The health, on the main-loop thread.
-
-    def _watch(self) -> None:
-        transport = self.transport_health
-        now = self.counts
-        since_ns = max(self._activated_ns, transport.last_data_ns or 0)
-        health = judge_health(
-            transport,
-            (self.get_clock().monotonic_ns() - since_ns) / 1e9,
-            self._settings.stale_timeout_s,
-            self._before,
-            now,
-            self._pipeline.finding if self._pipeline else "",
-        )
-        self._before = now
-        if health.level is not self._health.level:
-            say = {
-                HealthLevel.OK: self.logger.info,
-                HealthLevel.WARN: self.logger.warning,
-                HealthLevel.ERROR: self.logger.error,
-            }[health.level]
-            say(f"health {health.level.name}: {health.message}")
-        self._health = health

@@ -2,19 +2,24 @@
 
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 
-__all__ = ["IGNORED", "REASONS"]
+__all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S"]
+
+REJECT_LOG_S = 5.0
+"""Least seconds between two lines in the log about the same reason."""
 
 REASONS: dict[str, str] = {
     **PAYLOAD_REASONS,
     "duplicate": "delivered once more",
     "empty": "nothing in it",
     "implausible": "gravity is not what it should be at rest; is the unit right?",
+    "no_frame": "bytes, and no frame among them; does it send more than blank lines?",
     "no_imu_data": "nothing that the mapping knows; is the preset right?",
     "not_active": "the node is not active",
     "other_topic": "of another device under the same wildcard",
     "out_of_order": "dated before one that has been published",
     "overlong": "too long for a sample; is it the right device and baud rate?",
     "retained": "kept by the broker from an earlier time",
+    "unended": "bytes without an end of line; is it the right device and baud rate?",
 }
 """Every reason, with what it means or what to check."""
 
@@ -22,3 +27,6 @@ IGNORED = frozenset(
     {"duplicate", "not_active", "not_data", "not_selected", "other_topic", "retained"}
 )
 """Reasons that are no fault of the device."""
+
+NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
+"""Reasons that say nothing of the device that is read: whether it lives, or what it sends."""

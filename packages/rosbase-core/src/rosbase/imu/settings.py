@@ -111,7 +111,7 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
         "device",
     ),
     ParameterSpec(
-        "stale_timeout", 1.0, "seconds without data after which health is WARN", minimum=0.001
+        "stale_timeout", 1.0, "seconds without a sample after which health is WARN", minimum=0.001
     ),
     _text(
         "plausibility",
