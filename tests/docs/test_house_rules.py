@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 # MQTT there is a connection to be reached and kept, and a socket that paho may read in small
 # pieces. Both have a check for `rosbase doctor`, and that of ROS asks a process of its own, which
 # ROS may end.
-MOST_MODULES = {"imu-mqtt": 10, "rosbase-ros2": 17}
+MOST_MODULES = {"imu-mqtt": 11, "rosbase-ros2": 17}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -218,6 +218,46 @@ def test_deactivating_unsubscribes_and_disconnects_and_activating_again_works(
     backend.close()
 
 
+def marked(mark: float) -> bytes:
+    """A good sample that can be told from others."""
+    return frame(angular_velocity={"x": mark, "y": 0.0, "z": 0.0})
+
+
+def marks(reader: RunningRosbase) -> list[float]:
+    """Those of the samples that were published."""
+    return [json.loads(line)["angular_velocity"]["x"] for line in reader.out.lines]
+
+
+@needs_mosquitto
+def test_under_a_wildcard_all_samples_of_the_first_device_are_published_until_it_falls_silent(
+    broker: Mosquitto,
+) -> None:
+    with reading(broker, "-p", "mqtt_topic:=lab/#", "-p", "stale_timeout:=2") as reader:
+        broker.publish(b'{"hello":"bench 3"}', topic="lab/hello")
+        for number in range(10):
+            broker.publish(marked(1.0 + number), topic="lab/imu")
+            broker.publish(marked(-1.0 - number), topic="lab/imu2")
+        reader.waits_for('"x":10.0,', where=reader.out)
+        assert marks(reader) == [1.0 + number for number in range(10)]
+        reader.waits_for("reading lab/imu")
+
+        def takes_over() -> bool:
+            broker.publish(marked(-99.0), topic="lab/imu2")
+            return -99.0 in marks(reader)
+
+        wait_until(takes_over, "the other device's samples")
+        broker.publish(marked(99.0), topic="lab/imu")
+        broker.publish(marked(-100.0), topic="lab/imu2")
+        reader.waits_for('"x":-100.0,', where=reader.out)
+        assert 99.0 not in marks(reader)
+        assert reader.err.count("no sample from lab/imu for") == 1
+        assert reader.err.count("reading lab/imu2") == 1
+        assert reader.end(signal.SIGINT) == 0
+    counts = summary_of(reader.err.lines)
+    assert counts["no_imu_data"] == 1
+    assert counts["other_topic"] >= 10
+
+
 def test_the_demo_over_mqtt_publishes_every_sample() -> None:
     done = run_rosbase("demo", "--transport", "mqtt", "--duration", "5")
     assert done.returncode == 0, done.stderr

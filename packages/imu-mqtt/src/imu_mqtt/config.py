@@ -34,7 +34,9 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
         "tcp://localhost:1883",
         "the broker: tcp://, mqtt://, mqtts://, ws:// or wss:// host:port, or unix:///path",
     ),
-    _text("mqtt_topic", "esp32/imu", "the topic; with + or #, of the first device that sends"),
+    _text(
+        "mqtt_topic", "esp32/imu", "the topic to read; with + or #, the first that gives a sample"
+    ),
     ParameterSpec("qos", 0, "quality of service of the subscription", minimum=0, maximum=2),
     _text("client_id", "", "how the broker knows this client; empty: made up, unique"),
     ParameterSpec(

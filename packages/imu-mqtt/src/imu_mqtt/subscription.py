@@ -3,6 +3,7 @@
 import threading
 from collections import deque
 
+from imu_mqtt.topic_lock import TopicLock
 from rosbase import OnFrame, Tally, TransportContext, TransportError, hand_over
 
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
@@ -28,14 +29,13 @@ class Subscription:
             on_frame: Gets the frames.
             tally: Where everything is counted.
             context: For the log.
-            is_filter: Whether it has a wildcard. Of several topics the one that comes first is
-                read, for the samples of two devices make no sense together.
+            is_filter: Whether it has a wildcard. Of several topics the first that gives a sample
+                is read, until it gives none for the context's `stale_timeout_s`.
         """
         self._on_frame: OnFrame | None = on_frame
         self._tally = tally
         self._context = context
-        self._is_filter = is_filter
-        self._topic: str | None = None
+        self._lock = TopicLock(context.stale_timeout_s, context.logger) if is_filter else None
         # Hashes, because a hundred long payloads would be some megabytes.
         self._recent: deque[int] = deque(maxlen=_REMEMBERED)
         # Held while a frame is handed over.
@@ -48,6 +48,8 @@ class Subscription:
 
         Tells whether somebody may listen: only the first answer counts.
         """
+        if self._lock is not None:
+            self._lock.begin_anew(self._context.clock.monotonic_ns())
         if self._is_answered.is_set():
             return False
         self._refusal = refusal
@@ -74,9 +76,10 @@ class Subscription:
         """Hands a message over, or counts why it is no frame."""
         tally = self._tally
         tally.received_bytes += len(payload)
-        reason = self._refuses(payload, topic, retained, redelivered)
+        now_ns = self._context.clock.monotonic_ns()
+        reason = self._refuses(payload, topic, retained, redelivered, now_ns)
         if reason not in _NO_SIGN_OF_LIFE:
-            tally.last_data_ns = self._context.clock.monotonic_ns()
+            tally.last_data_ns = now_ns
         if reason:
             tally.count_error(reason)
             return
@@ -85,11 +88,15 @@ class Subscription:
             if on_frame is None:
                 return
             tally.frames += 1
-            hand_over(on_frame, payload, stamp_ns, self._context.logger)
+            is_sample = hand_over(on_frame, payload, stamp_ns, self._context.logger)
+            if is_sample and self._lock is not None:
+                self._lock.note_sample(topic, now_ns)
 
-    def _refuses(self, payload: bytes, topic: str, retained: bool, redelivered: bool) -> str:
+    def _refuses(
+        self, payload: bytes, topic: str, retained: bool, redelivered: bool, now_ns: int
+    ) -> str:
         """Why a message is no frame, in one word; empty if it is one."""
-        if self._topic is not None and topic != self._topic:
+        if self._lock is not None and not self._lock.admits(topic, now_ns):
             return "other_topic"
         if retained:
             # It was sent before anybody asked, nobody knows when.
@@ -98,9 +105,6 @@ class Subscription:
             return "empty"
         if len(payload) > MAX_PAYLOAD_BYTES:
             return "overlong"
-        if self._is_filter and self._topic is None:
-            self._topic = topic
-            self._context.logger.info(f"reading {topic}")
         digest = hash(payload)
         if redelivered and digest in self._recent:
             return "duplicate"
