@@ -1,7 +1,7 @@
 """How well an active reader is: by its samples, at any rate, without flapping. In virtual time."""
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rosbase.contracts.transport import TransportHealth, TransportState
@@ -72,6 +72,7 @@ def test_after_good_samples_refused_frames_of_any_rate_are_a_warning_that_stays(
     assert said[-1].health.kind == f"nothing usable arrives: {reason}"
 
 
+@example(rate_hz=1.0, count=1, timeout_s=0.125, offset_s=0.2)
 @given(rates, st.integers(1, 500), timeouts, offsets)
 def test_bytes_without_an_end_of_line_are_a_warning_at_any_rate(
     rate_hz: float, count: int, timeout_s: float, offset_s: float
@@ -179,6 +180,17 @@ def test_the_commonest_reason_since_the_last_sample_counts_and_not_an_earlier_on
     )
     assert said[-1].health.kind == "nothing usable arrives: no_imu_data"
     assert kinds(said)[-2:] == ["samples arrive", "nothing usable arrives: no_imu_data"]
+
+
+def test_reasons_that_take_turns_of_about_the_same_length_do_not_alternate() -> None:
+    turns = [
+        ("not_data", 0.0, 5.0),
+        ("bad_json", 5.0, 11.0),
+        ("not_data", 11.0, 17.0),
+        ("bad_json", 17.0, 23.0),
+    ]
+    said = watch(*(every(what, 10.0, begin_s, end_s) for what, begin_s, end_s in turns), until_s=23)
+    assert kinds(said)[1:] == ["nothing usable arrives: not_data"]
 
 
 def test_a_reason_that_has_clearly_become_the_commonest_takes_over_and_is_said_once() -> None:
