@@ -466,7 +466,7 @@ def test_f_a_date_that_is_never_usable_is_said_in_the_log_and_in_health(
     assert rig.reader.counts.time_unusable == 25
     rig.send({"acc": [0, 0, 9.8], "t": 1_700_000_000_000})
     rig.pass_time(0.5)
-    assert rig.reader.health.message == "data arrives"
+    assert rig.reader.health.message == "samples arrive"
 
 
 @pytest.mark.parametrize(
