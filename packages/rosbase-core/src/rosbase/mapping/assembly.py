@@ -1,7 +1,7 @@
 """Puts the quantities of a payload together, and decides whether they make a sample."""
 
 from collections.abc import Sequence
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from attrs import frozen
 
@@ -24,11 +24,10 @@ class Batch(Generic[SampleT]):
     """The time from one to the next in nanoseconds, if the mapping tells it."""
 
 
-@frozen
-class Slot:
+class Slot(NamedTuple):
     """A quantity, and where it stands in a row."""
 
-    index: int
+    place: int
     name: str
     is_required: bool
 
@@ -45,12 +44,12 @@ def settle(row: Row, slots: Sequence[Slot], nothing: str) -> Reject | None:
     lacking = ""
     has_any = False
     for slot in slots:
-        found = row[slot.index]
+        found = row[slot.place]
         if isinstance(found, Reject):
             if slot.is_required:
                 return found
             left_out.append(found)
-            row[slot.index] = None
+            row[slot.place] = None
         elif found is not None:
             has_any = True
         elif slot.is_required:

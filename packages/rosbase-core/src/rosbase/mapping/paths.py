@@ -6,7 +6,7 @@
 import json
 import re
 from collections.abc import Sequence
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from attrs import field, frozen
 
@@ -75,8 +75,7 @@ class Condition:
         return is_same and self.is_equal is not other.is_equal
 
 
-@frozen
-class Where:
+class Where(NamedTuple):
     """Conditions as a step: they select the element of a list, or must hold for an object."""
 
     conditions: tuple[Condition, ...]
@@ -89,8 +88,7 @@ Steps: TypeAlias = tuple[Step, ...]
 """The way from the top of a payload to a value."""
 
 
-@frozen
-class Way:
+class Way(NamedTuple):
     """One alternative of a path."""
 
     steps: Steps

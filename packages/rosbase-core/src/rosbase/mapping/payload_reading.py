@@ -1,9 +1,7 @@
 """The readers of whole frames: from bytes to a sample, or to several, or to why there is none."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias, TypeVar
-
-from attrs import frozen
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from rosbase.mapping.assembly import Batch, Row, Slot, settle
 from rosbase.mapping.batches import BatchReader
@@ -25,8 +23,7 @@ FrameReader: TypeAlias = Callable[[bytes], SampleT | Reject | Batch[SampleT]]
 _NOT_SELECTED = Reject("not_selected")
 
 
-@frozen
-class Plan:
+class Plan(NamedTuple):
     """What the readers of frames need to know of a mapping."""
 
     conditions: tuple[Predicate, ...]
@@ -58,7 +55,7 @@ def single_reader(
     """
     conditions, slots, nothing = plan.conditions, plan.slots, plan.nothing
     steps = [
-        (slot.index, read, slot.is_required) for slot, read in zip(slots, readers, strict=True)
+        (slot.place, read, slot.is_required) for slot, read in zip(slots, readers, strict=True)
     ]
     blank: Row = [*[None] * plan.size, None, ()]
     read_date = compile_date(plan.dates) if plan.dates else None
@@ -139,12 +136,12 @@ def _row(plan: Plan, found: Sequence[Any], at: int, count: int) -> Row:
     row: Row = [*[None] * plan.size, None, ()]
     for slot, numbers in zip(plan.slots, found, strict=True):
         if not isinstance(numbers, list):
-            row[slot.index] = numbers
+            row[slot.place] = numbers
         elif len(numbers) == count:
-            row[slot.index] = numbers[at]
+            row[slot.place] = numbers[at]
         else:
             said = f"{slot.name}: {len(numbers)} for {count} samples"
-            row[slot.index] = Reject("uneven", said)
+            row[slot.place] = Reject("uneven", said)
     return row
 
 

@@ -5,9 +5,7 @@ silence; one that sends two sensors would have the wrong one read when their ord
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TypeAlias
-
-from attrs import frozen
+from typing import NamedTuple, TypeAlias
 
 from rosbase.mapping.following import MISSING, follow, matching
 from rosbase.mapping.paths import EACH, Steps, Way, Where, show_steps
@@ -19,8 +17,7 @@ Covered: TypeAlias = dict[Steps, frozenset[int]]
 """By the way to a list: the indices that a mapping reads in it."""
 
 
-@frozen
-class Guard:
+class Guard(NamedTuple):
     """An index of a path, and which other indices of the same list the mapping reads."""
 
     to_list: Steps
