@@ -62,7 +62,10 @@ def _read_three(place: _Place) -> Reader:
         except (KeyError, IndexError, TypeError):
             return careful(payload)
         if not (x.__class__ is float and y.__class__ is float and z.__class__ is float):
-            return careful(payload)
+            floats = _as_floats(numbers)
+            if floats is None:
+                return careful(payload)
+            numbers = x, y, z = floats
         if is_scaled:
             numbers = x, y, z = x * a, y * b, z * c
         # Neither NaN nor an infinity is less than anything. Where the sum of the squares is
@@ -90,7 +93,10 @@ def _read_four(place: _Place) -> Reader:
         except (KeyError, IndexError, TypeError):
             return careful(payload)
         if not (x.__class__ is y.__class__ is z.__class__ is w.__class__ is float):
-            return careful(payload)
+            floats = _as_floats(numbers)
+            if floats is None:
+                return careful(payload)
+            numbers = x, y, z, w = floats
         if is_scaled:
             numbers = x, y, z, w = x * a, y * b, z * c, w * d
         if not x * x + y * y + z * z + w * w < largest_square or (is_whole and len(parent) != 4):
@@ -103,6 +109,17 @@ def _read_four(place: _Place) -> Reader:
         return careful(payload) if isinstance(finished, Reject) else finished
 
     return read
+
+
+def _as_floats(numbers: tuple[Any, ...]) -> tuple[float, ...] | None:
+    """The numbers as floats if each is a float, or a whole number that is not too large."""
+    for number in numbers:
+        if number.__class__ is not float and number.__class__ is not int:
+            return None
+    try:
+        return tuple(map(float, numbers))
+    except OverflowError:
+        return None
 
 
 def _has_more(of: Components) -> Callable[[Any], object] | None:
