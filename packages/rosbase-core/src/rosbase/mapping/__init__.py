@@ -1,4 +1,4 @@
-"""The mapping language: where quantities stand in a payload, as data. For any device."""
+"""The mapping language: a payload described as data, for any device."""
 
 from rosbase.mapping.assembly import Batch, Row
 from rosbase.mapping.description import LARGEST, Quantity, TimeMapping

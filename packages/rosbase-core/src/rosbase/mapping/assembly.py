@@ -1,4 +1,4 @@
-"""Puts the quantities of a payload together, and decides whether they make a sample."""
+"""Combine the quantities of a payload into a sample, or give the reason to refuse it."""
 
 from collections.abc import Sequence
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
@@ -12,20 +12,20 @@ __all__ = ["Batch", "Row", "Slot", "settle"]
 SampleT = TypeVar("SampleT")
 
 Row: TypeAlias = list[Any]
-"""By slot the numbers, None or a `Reject`; behind them the date and what was left out."""
+"""The numbers, None or a `Reject` of each slot, then the date, then the left-out quantities."""
 
 
 @frozen
 class Batch(Generic[SampleT]):
-    """The samples of one message, in the order of time."""
+    """The samples of one message, oldest first."""
 
     samples: "Sequence[SampleT | Reject]"
     interval_ns: int | None = None
-    """The time from one to the next in nanoseconds, if the mapping tells it."""
+    """The time between two samples in nanoseconds, if the mapping gives it."""
 
 
 class Slot(NamedTuple):
-    """A quantity, and where it stands in a row."""
+    """The place of a quantity in a row."""
 
     place: int
     name: str
@@ -33,12 +33,12 @@ class Slot(NamedTuple):
 
 
 def settle(row: Row, slots: Sequence[Slot], nothing: str) -> Reject | None:
-    """Leave out of a row what cannot be used, or return why there is no sample.
+    """Remove unusable quantities from a row, or return the reason to refuse the sample.
 
     Args:
-        row: Is changed: what is left out becomes None, and the reasons stand at the end.
+        row: Changed in place: an unusable quantity becomes None; its reason goes to the end.
         slots: The quantities of the mapping.
-        nothing: The reason to give where the payload has nothing that the mapping knows.
+        nothing: The reason for a payload without any quantity of the mapping.
     """
     left_out: list[Reject] = []
     lacking = ""

@@ -1,4 +1,4 @@
-"""Reads the samples of a message that holds several: one for each element of a list."""
+"""Read messages with several samples: one sample for each element of a list."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
@@ -15,15 +15,15 @@ from rosbase.mapping.surplus import Guard, elements_at, surplus_at
 __all__ = ["BatchReader", "compile_batch_reader"]
 
 BatchReader: TypeAlias = Callable[[Any], "list[Numbers | Reject | None] | Reject | None"]
-"""From a payload to the numbers of each sample; None if it has nothing of the quantity."""
+"""From a payload to the numbers of each sample; None if the quantity is absent."""
 
 
 _List: TypeAlias = tuple[Steps, Sequence[Guard]]
-"""The way to a list of elements, and what else is to be looked at on it."""
+"""The way to a list of elements, and the guards of the indices on that way."""
 
 
 def compile_batch_reader(components: Components) -> BatchReader:
-    """Return a reader of the components, whose ways all have a `[*]`."""
+    """Return a reader of components whose ways all have a `[*]`."""
     lists = [way.steps[: way.steps.index(EACH)] for way in components.ways]
     guards = [[g for g in guards if EACH not in g.to_list] for guards in components.guards]
     inner = evolve(
@@ -41,12 +41,12 @@ def compile_batch_reader(components: Components) -> BatchReader:
 
 
 def _behind(steps: Steps) -> Steps:
-    """The steps behind the `[*]`."""
+    """Return the steps after the `[*]`."""
     return steps[steps.index(EACH) + 1 :]
 
 
 def _rows(name: str, to_list: _List, read_one: Reader) -> BatchReader:
-    """The components of a sample are in one element."""
+    """Return a reader for payloads with all components of a sample in one element."""
 
     def read(payload: Any) -> list[Numbers | Reject | None] | Reject | None:
         columns = _columns_of(payload, [to_list], name)
@@ -58,7 +58,7 @@ def _rows(name: str, to_list: _List, read_one: Reader) -> BatchReader:
 
 
 def _columns(name: str, lists: Sequence[_List], judge: Judge) -> BatchReader:
-    """Each component has a list of its own."""
+    """Return a reader for payloads with a separate list for each component."""
 
     def read(payload: Any) -> list[Numbers | Reject | None] | Reject | None:
         columns = _columns_of(payload, lists, name)
@@ -78,7 +78,7 @@ def _columns(name: str, lists: Sequence[_List], judge: Judge) -> BatchReader:
 def _columns_of(
     payload: object, lists: Sequence[_List], name: str
 ) -> list[Sequence[object]] | Reject:
-    """By component the elements that its `[*]` stands for; why they cannot be told, if so."""
+    """Return the elements of the `[*]` of each component, or the reason to refuse them."""
     found = [elements_at(payload, to_list) for to_list, _ in lists]
     columns: list[Sequence[object]] = []
     for elements, (_, guards) in zip(found, lists, strict=True):

@@ -1,4 +1,4 @@
-"""Refuses mappings in which one number of a payload stands for two things."""
+"""Refuse mappings that read one number of a payload as two things."""
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
@@ -10,7 +10,7 @@ __all__ = ["check_clashes", "check_conditions"]
 
 
 def check_clashes(ways: Mapping[str, Sequence[Sequence[Steps]]]) -> None:
-    """Check that no two components may be read from the same place of one payload.
+    """Check that no two components can be read from the same place of one payload.
 
     Args:
         ways: By quantity: for each alternative the ways to its components.
@@ -47,7 +47,7 @@ def check_conditions(conditions: Sequence[Condition]) -> None:
 
 
 def _may_meet(one: Steps, other: Steps) -> bool:
-    """Whether both ways may lead to the same value."""
+    """Return whether both ways can lead to the same value."""
     places, other_places = _places(one), _places(other)
     if len(places) != len(other_places):
         return False
@@ -58,7 +58,7 @@ def _may_meet(one: Steps, other: Steps) -> bool:
 
 
 def _places(steps: Steps) -> list[tuple[Where | None, Step | None]]:
-    """The steps, each with the condition before it; None after the last."""
+    """Return the steps, each with the condition before it; the last step is None."""
     places: list[tuple[Where | None, Step | None]] = []
     where: Where | None = None
     for step in steps:
@@ -73,12 +73,12 @@ def _places(steps: Steps) -> list[tuple[Where | None, Step | None]]:
 def _may_be_same(one: Step | None, other: Step | None) -> bool:
     if isinstance(one, Each) or isinstance(other, Each):
         return isinstance(one, (Each, int)) and isinstance(other, (Each, int))
-    # A number is an index, or such a key.
+    # An integer is an index of a list, or the same digits as the key of an object.
     return one == other or (None not in (one, other) and str(one) == str(other))
 
 
 def _are_apart(one: Where | None, other: Where | None) -> bool:
-    """Whether the conditions never hold in the same place."""
+    """Return whether the conditions never hold in the same place."""
     return (
         one is not None
         and other is not None

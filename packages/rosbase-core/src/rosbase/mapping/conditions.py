@@ -1,4 +1,4 @@
-"""Conditions compiled to functions, for what is asked of every payload."""
+"""Compile conditions to functions, because they are evaluated for every payload."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,11 +13,11 @@ Predicate: TypeAlias = Callable[[Any], bool]
 """Whether a value meets a condition."""
 
 Pick: TypeAlias = Callable[[Any], Any]
-"""The step of a condition: from a value to what `follow` makes of it."""
+"""The step of a condition: returns the same as `follow` for a value."""
 
 
 def compile_condition(condition: Condition) -> Predicate:
-    """Return a function that tells what `holds` tells of the condition."""
+    """Return a function with the same result as `holds` for this condition."""
     careful = partial(holds, condition)
     pick = _quick_pick(condition)
     if pick is None:
@@ -30,13 +30,13 @@ def compile_condition(condition: Condition) -> Predicate:
 
 
 def compile_where(where: Where) -> Pick:
-    """Return a function that makes of a value what `follow` makes of it in this step."""
+    """Return a function with the same result as `follow` for this step."""
     pick = _quick_pick(where.conditions[0]) if len(where.conditions) == 1 else None
     return partial(follow, steps=(where,)) if pick is None else pick
 
 
 def _quick_pick(condition: Condition) -> Pick | None:
-    """A quick step for objects and the usual conditions, such as `kind=acc` and `list[0]!=-1`."""
+    """Return a quick step for the usual conditions, such as `kind=acc` and `list[0]!=-1`."""
     (steps, *others) = condition.paths
     key = str(steps[0])
     if others or len(steps) > 2:

@@ -1,4 +1,4 @@
-"""What a payload says of time as nanoseconds since 1970. Only a date counts: an uptime is none."""
+"""Convert the dates in payloads to nanoseconds since 1970. An uptime is not a date."""
 
 import json
 import math
@@ -12,7 +12,7 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["TIME_UNITS", "date_ns", "is_date"]
 
 TIME_UNITS: dict[str, int] = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}
-"""Units of a lone time value, in nanoseconds."""
+"""Units of a single time value, in nanoseconds."""
 
 # A device that counts from its start is somewhere in 1970; a ROS stamp ends in 2038.
 _EARLIEST_NS = 946_684_800 * 1_000_000_000
@@ -20,14 +20,14 @@ _LATEST_NS = (2**31 - 1) * 1_000_000_000
 
 
 def is_date(total_ns: int) -> bool:
-    """Return whether nanoseconds since 1970 are a date that a device may have."""
+    """Return whether nanoseconds since 1970 are a possible date of a device."""
     return _EARLIEST_NS <= total_ns < _LATEST_NS
 
 
 def date_ns(
     values: Sequence[object], units: Sequence[int], *, numeric_strings: bool
 ) -> int | Reject:
-    """Return the date that the values make, or why they make none.
+    """Return the date that consists of the values, or the reason why it is unusable.
 
     Args:
         values: A number or an ISO 8601 text with its zone; or seconds and nanoseconds.

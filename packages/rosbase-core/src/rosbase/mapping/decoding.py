@@ -1,4 +1,4 @@
-"""From the bytes of a frame to the payload in it. Never raises."""
+"""Decode the bytes of a frame to a payload. Never raises."""
 
 import json
 import re
@@ -8,7 +8,7 @@ from rosbase.mapping.rejects import Reject
 from rosbase.mapping.repeats import OF_NUMBERS, known_forms, repeated_key
 
 try:
-    # The extra `fast`. It refuses some of what Python's takes, and what it takes it reads alike.
+    # The extra `fast`. It refuses some texts that Python's decoder takes, and reads the rest alike.
     from msgspec.json import Decoder
 except ImportError:
     _decode_quickly: Callable[[bytes], object] | None = None
@@ -28,10 +28,10 @@ _BRACKETS = frozenset({"{", "}", "[", "]", "},", "],"})
 
 
 def decode_payload(frame: bytes) -> object:
-    """The object or list in a frame of UTF-8 JSON, or a `Reject` that says why there is none.
+    """Return the object or list in a frame of UTF-8 JSON, or the reason to refuse the frame.
 
-    NaN and infinities pass, as they do in Python's JSON: a field that nobody reads may
-    hold them. Those that are read are refused later.
+    NaN and infinities pass, as in Python's JSON: a field that the mapping does not read may
+    hold them. The quantities refuse them.
     """
     if _decode_quickly is not None:
         try:
@@ -63,7 +63,7 @@ def _decode_carefully(frame: bytes) -> object:
     try:
         payload = _decode(text)
     except json.JSONDecodeError as error:
-        # Around a message that no line end ends: a mark of its encoding, and the end of C's text.
+        # A message without a line end may begin with a byte order mark and end with C's NUL.
         plain = text.removeprefix("\ufeff").rstrip("\0")
         if plain != text:
             return _decode_carefully(plain.encode())
@@ -71,13 +71,13 @@ def _decode_carefully(frame: bytes) -> object:
     except RecursionError:
         return Reject("too_deep")
     except ValueError:
-        # What int() says to more than 4,300 digits.
+        # int() raises it for more than 4,300 digits.
         return Reject("out_of_range")
     return _checked(frame, payload)
 
 
 def _reject_text(text: str, error: json.JSONDecodeError) -> Reject:
-    # The end of a line whose beginning was missed closes more than it opens.
+    # A line without its beginning closes more brackets than it opens.
     member = text.startswith('"') and ":" in text and text.count("}") <= text.count("{")
     if text in _BRACKETS or member or _ELEMENT.fullmatch(text):
         return Reject("multi_line")

@@ -1,4 +1,4 @@
-"""What users and presets say of a payload, as they say it."""
+"""The description of a payload, as users and presets write it."""
 
 from collections.abc import Callable
 
@@ -10,12 +10,12 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["LARGEST", "Quantity", "TimeMapping"]
 
 LARGEST = 1e9
-"""Far beyond what any sensor measures, in any SI unit: such a number is an error."""
+"""A number far beyond any measurement, in any SI unit."""
 
 
 @frozen
 class Quantity:
-    """One quantity of a payload, such as a vector: where its components are."""
+    """A quantity of a payload, such as a vector, and the places of its components."""
 
     name: str
     paths: tuple[str, ...] = ()
@@ -25,13 +25,13 @@ class Quantity:
     written: tuple[str, ...] = ()
     """The order in which the paths, or the list, give them; the same unless stated."""
     factor: float = 1.0
-    """By what each number is multiplied to be in the SI unit."""
+    """The factor from the payload's unit to the SI unit."""
     largest: float = LARGEST
     """The largest absolute value of a component, in the SI unit."""
     required: bool = False
-    """Whether there is no sample without it."""
+    """Whether a sample without it is refused."""
     finish: Callable[[Numbers], Numbers | Reject] | None = None
-    """Checks, and perhaps corrects, the components together."""
+    """A function that checks, and may correct, the components together."""
 
     @property
     def is_whole(self) -> bool:
@@ -41,11 +41,11 @@ class Quantity:
 
 @frozen
 class TimeMapping:
-    """Where the date of a sample is, in which unit, and how far apart samples of a message are."""
+    """The place and unit of a sample's date, and the interval between samples of a message."""
 
     paths: tuple[str, ...] = ()
     """A path to a number or an ISO 8601 text, or two: to the seconds and to the nanoseconds."""
     unit: str = ""
-    """The unit of a lone number: `s`, `ms`, `us` or `ns`."""
+    """The unit of a single number: `s`, `ms`, `us` or `ns`."""
     interval: str = ""
     """The time between two samples of one message, such as `5 ms` or `rate Hz`."""

@@ -1,4 +1,4 @@
-"""Follows paths through a payload, carefully: anything may stand anywhere in it."""
+"""Follow paths through a payload that may hold any value anywhere."""
 
 from typing import Any, Final
 
@@ -16,13 +16,13 @@ class Missing:
 
 
 MISSING: Final = Missing()
-"""What a path leads to when there is nothing."""
+"""The result of a path that leads to nothing."""
 
 
 def follow(value: object, steps: Steps) -> Any:
-    """Return what the steps lead to: a value of JSON, MISSING, or a `Reject`. Never raises.
+    """Return the value at the end of the steps, MISSING, or a `Reject`. Never raises.
 
-    A `Reject` says that a condition is met by several elements of a list.
+    The result is a `Reject` if several elements of a list meet a condition.
 
     Args:
         value: The value at which the steps begin.
@@ -39,7 +39,7 @@ def follow(value: object, steps: Steps) -> Any:
 
 
 def resolve(value: object, paths: tuple[Steps, ...]) -> Any:
-    """Return what the first of these paths that leads to something leads to, or MISSING."""
+    """Return the value of the first path that leads to something, or MISSING."""
     for steps in paths:
         found = follow(value, steps)
         if found is not MISSING:
@@ -48,7 +48,7 @@ def resolve(value: object, paths: tuple[Steps, ...]) -> Any:
 
 
 def holds(condition: Condition, value: object) -> bool:
-    """Return whether an object or a list meets the condition; nothing else ever does."""
+    """Return whether the value is an object or a list that meets the condition."""
     if not isinstance(value, (dict, list)):
         return False
     found = resolve(value, condition.paths)

@@ -1,4 +1,4 @@
-"""The time between the samples of one message: a constant, or something that the payload says."""
+"""The time between the samples of one message: a constant, or a value in the payload."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["IntervalReader", "compile_interval"]
 
 IntervalReader: TypeAlias = Callable[[object], int | None]
-"""Gives nanoseconds, or None if the payload says nothing usable."""
+"""From a payload to nanoseconds, or None if the payload has no usable interval."""
 
 _RATE = "Hz"
 _LONGEST_NS = 60 * TIME_UNITS["s"]

@@ -1,4 +1,4 @@
-"""Reads paths and conditions as users write them: `a.b`, `list[0].x`, `new|old`, `kind=imu`."""
+"""Parse paths and conditions as users write them: `a.b`, `list[0].x`, `new|old`, `kind=imu`."""
 
 import json
 import math
@@ -60,7 +60,7 @@ def parse_condition(text: str) -> Condition:
 
 
 class _Scanner:
-    """A text, and how far it has been read."""
+    """A text, and the position of the next character."""
 
     def __init__(self, text: str, kind: str) -> None:
         self._text = text
@@ -74,18 +74,18 @@ class _Scanner:
         self.match(_BLANKS)
 
     def peek(self) -> str:
-        """The next character; empty at the end."""
+        """Return the next character; empty at the end."""
         return self._text[self._at : self._at + 1]
 
     def take(self, sign: str) -> bool:
-        """Skips the sign, if it comes next."""
+        """Skip the sign if it comes next; return whether it did."""
         if self._text.startswith(sign, self._at):
             self._at += len(sign)
             return True
         return False
 
     def match(self, pattern: re.Pattern[str]) -> str:
-        """Skips and returns what the pattern matches; empty if it does not."""
+        """Skip and return the match of the pattern; empty without a match."""
         found = pattern.match(self._text, self._at)
         if found is None:
             return ""
@@ -93,7 +93,7 @@ class _Scanner:
         return found[0]
 
     def quoted(self) -> str:
-        """Skips and returns a text in double quotes, written as in JSON."""
+        """Skip and return a text in double quotes, written as in JSON."""
         try:
             value, self._at = json.JSONDecoder().raw_decode(self._text, self._at)
         except json.JSONDecodeError:
@@ -172,7 +172,7 @@ def _why_no_key(sign: str) -> str:
 
 
 def _bracket(scanner: _Scanner) -> Step:
-    """The step in brackets; the one that opens has been read."""
+    """Return the step in brackets. The opening bracket has been read."""
     if scanner.take("*"):
         _close(scanner)
         return EACH
@@ -200,7 +200,7 @@ def _close(scanner: _Scanner) -> None:
 
 
 def _simple_paths(scanner: _Scanner) -> tuple[Steps, ...]:
-    """The left side of a condition: alternatives of keys and indices."""
+    """Return the left side of a condition: alternatives of keys and indices."""
     paths = [_simple_steps(scanner)]
     while scanner.take("|"):
         scanner.skip_blanks()
@@ -228,7 +228,7 @@ def _condition(scanner: _Scanner, paths: tuple[Steps, ...]) -> Condition:
 
 
 def _plain_value(scanner: _Scanner) -> Scalar:
-    """A number, true, false or null; anything else is a text without its quotes."""
+    """Return a number, true, false or null; anything else is a text without quotes."""
     text = scanner.match(_PLAIN_VALUE).strip()
     if not text:
         raise scanner.refuse("the value is missing, or is to be written in double quotes")

@@ -1,6 +1,6 @@
-"""What a path consists of, as data: keys, indices, conditions and `[*]`.
+"""Paths as data: keys, indices, conditions and `[*]`.
 
-`rosbase.mapping.path_text` reads paths, `rosbase.mapping.following` follows them.
+`rosbase.mapping.path_text` parses paths, `rosbase.mapping.following` follows them.
 """
 
 import json
@@ -33,10 +33,10 @@ BARE_KEY: Final = re.compile(r"""[^\s.\[\]|"'=<>!,*+-][^\s.\[\]|"'=<>!,*]*""")
 """A key that is written without quotes."""
 
 INDEX: Final = re.compile(r"0|[1-9]\d{0,8}", re.ASCII)
-"""What is an index in a list, and a key in an object."""
+"""An index of a list, or the same digits as the key of an object."""
 
 Scalar: TypeAlias = "str | int | float | bool | None"
-"""What a condition compares with: a value of JSON that holds no others."""
+"""The value in a condition: a JSON value other than an object or a list."""
 
 
 class Each:
@@ -63,7 +63,7 @@ class Condition:
     """Alternatives of keys and indices. The first that leads to something counts."""
     value: Scalar = field(eq=_as_json)
     is_equal: bool = True
-    """False for `!=`, which also holds where there is nothing to compare."""
+    """False for `!=`, which also holds if the path leads to nothing."""
 
     def contradicts(self, other: "Condition") -> bool:
         """Return whether the two conditions never hold for the same value."""
@@ -93,7 +93,7 @@ class Way(NamedTuple):
 
     steps: Steps
     sign: float = 1.0
-    """-1.0 if the number there is to be negated."""
+    """-1.0 to negate the number."""
 
 
 Path: TypeAlias = tuple[Way, ...]
@@ -101,7 +101,7 @@ Path: TypeAlias = tuple[Way, ...]
 
 
 def variants(paths: Sequence[Path], what: str) -> list[tuple[Way, ...]]:
-    """Return the paths of a quantity, one tuple for each alternative: they belong together.
+    """Return the ways of a quantity by alternative, because alternatives belong together.
 
     Raises:
         MappingError: Some have more alternatives than others.

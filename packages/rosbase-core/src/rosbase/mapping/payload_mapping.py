@@ -1,4 +1,4 @@
-"""A whole mapping: how the payload of a device becomes samples. Data in, a function out."""
+"""A whole mapping, compiled from data to a function that reads frames."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias, TypeVar
@@ -27,15 +27,15 @@ SampleT = TypeVar("SampleT")
 NumbersT = TypeVar("NumbersT")
 
 _Alternatives: TypeAlias = dict[str, list[tuple[Way, ...]]]
-"""By quantity: for each alternative the ways to its components."""
+"""The ways to the components of each alternative, by quantity."""
 
 ABSENT = ("missing", "zero")
-"""What `PayloadMapping.absent` may be."""
+"""The values of `PayloadMapping.absent`."""
 
 
 @frozen
 class PayloadMapping:
-    """What a payload holds, and where. See `docs/mapping.md` for the language."""
+    """The description of a payload. See `docs/mapping.md` for the language."""
 
     quantities: tuple[Quantity, ...]
     time: TimeMapping = field(factory=TimeMapping)
@@ -44,7 +44,7 @@ class PayloadMapping:
     numeric_strings: bool = False
     """Whether `"1.5"` counts as 1.5."""
     absent: str = "missing"
-    """`zero` if the encoder leaves numbers out that are zero."""
+    """The meaning of a number that the payload leaves out: `missing`, or `zero`."""
 
     def compile(
         self,
@@ -57,10 +57,10 @@ class PayloadMapping:
 
         Args:
             make: Makes a sample of a list: the numbers of each quantity, or None; the date in
-                nanoseconds since 1970, or None; and a tuple of `Reject`, which say what was
-                left out of the sample and why.
-            device_time: Whether dates are read.
-            nothing: The reason for payloads in which there is nothing of the mapping.
+                nanoseconds since 1970, or None; and a tuple with a `Reject` for each quantity,
+                or date, that was left out of the sample.
+            device_time: Whether to read dates.
+            nothing: The reason for payloads without any quantity of the mapping.
 
         Raises:
             MappingError: The description contradicts itself, lacks something, or could mean
@@ -120,7 +120,7 @@ class PayloadMapping:
         return compile_interval(self.time.interval, numeric_strings=self.numeric_strings)
 
     def _covered(self, ways: _Alternatives, conditions: Sequence[Condition]) -> Covered:
-        """The indices that the mapping names."""
+        """Return the indices that the mapping names, by list."""
         steps = {**_steps(ways), **self._time_steps()}
         named = [way for found in steps.values() for components in found for way in components]
         return covered_indices(
@@ -130,7 +130,7 @@ class PayloadMapping:
     def _components(
         self, quantity: Quantity, alternatives: Sequence[tuple[Way, ...]], covered: Covered
     ) -> list[Components]:
-        """What there is to know of a quantity, for each alternative."""
+        """Return the components of a quantity for each alternative."""
         is_whole = quantity.is_whole
         return [
             Components(
@@ -166,7 +166,7 @@ def _steps(alternatives: _Alternatives) -> dict[str, list[list[Steps]]]:
 def _first_of(
     readers: Sequence[Callable[[Any], NumbersT | None]],
 ) -> Callable[[Any], NumbersT | None]:
-    """Return what gives the numbers of the first alternative of which anything is there."""
+    """Return a reader of the first alternative that is in the payload."""
     if len(readers) == 1:
         return readers[0]
 

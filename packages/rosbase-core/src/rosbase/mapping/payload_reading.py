@@ -1,4 +1,4 @@
-"""The readers of whole frames: from bytes to a sample, or to several, or to why there is none."""
+"""Readers of whole frames: from bytes to a sample, to several, or to a reason."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias, TypeVar
@@ -18,25 +18,25 @@ __all__ = ["FrameReader", "Plan", "batch_reader", "single_reader"]
 SampleT = TypeVar("SampleT")
 
 FrameReader: TypeAlias = Callable[[bytes], SampleT | Reject | Batch[SampleT]]
-"""From a frame to what is in it. Never raises."""
+"""From a frame to a sample, to several, or to a reason. Never raises."""
 
 _NOT_SELECTED = Reject("not_selected")
 
 
 class Plan(NamedTuple):
-    """What the readers of frames need to know of a mapping."""
+    """The parts of a mapping that readers of frames need beside the quantities."""
 
     conditions: tuple[Predicate, ...]
     slots: tuple[Slot, ...]
     size: int
-    """How many quantities a row holds, whether or not the mapping has paths for them."""
+    """The number of quantities in a row, with and without paths."""
     nothing: str
-    """The reason for payloads that hold nothing of the mapping."""
+    """The reason for payloads without any quantity of the mapping."""
     dates: Dates | None
     interval: IntervalReader | None
 
     def payload(self, frame: bytes) -> object:
-        """Return the payload in a frame, or why it is not to be read."""
+        """Return the payload in a frame, or the reason to refuse or ignore it."""
         payload = decode_payload(frame)
         if isinstance(payload, Reject) or all(holds(payload) for holds in self.conditions):
             return payload
@@ -49,7 +49,7 @@ def single_reader(
     """Return a reader of frames with one sample each.
 
     Args:
-        plan: What there is beside the quantities.
+        plan: The parts of the mapping beside the quantities.
         readers: By slot.
         make: Makes a sample of a row.
     """
@@ -91,7 +91,7 @@ def single_reader(
 def batch_reader(
     plan: Plan, readers: Sequence[BatchReader], make: Callable[[Row], SampleT]
 ) -> FrameReader[SampleT]:
-    """Return a reader of frames with any number of samples each; arguments as above."""
+    """Return a reader of frames with several samples each. See `single_reader`."""
     slots = plan.slots
 
     def read_frame(frame: bytes) -> SampleT | Reject | Batch[SampleT]:
@@ -118,7 +118,7 @@ def batch_reader(
 
 
 def _agreed_count(slots: Sequence[Slot], found: Sequence[object]) -> int | Reject:
-    """The number of samples in a message: the required quantities decide, if there are any."""
+    """Return the number of samples in a message, by the required quantities if there are any."""
     counts = {
         slot: len(numbers)
         for slot, numbers in zip(slots, found, strict=True)
@@ -132,7 +132,7 @@ def _agreed_count(slots: Sequence[Slot], found: Sequence[object]) -> int | Rejec
 
 
 def _row(plan: Plan, found: Sequence[Any], at: int, count: int) -> Row:
-    """The row of one sample, not yet settled."""
+    """Return the row of one sample, before `settle`."""
     row: Row = [*[None] * plan.size, None, ()]
     for slot, numbers in zip(plan.slots, found, strict=True):
         if not isinstance(numbers, list):

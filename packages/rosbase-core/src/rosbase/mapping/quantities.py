@@ -1,4 +1,4 @@
-"""Reads one quantity out of a payload, in SI units, or says why it cannot."""
+"""Read one quantity of a payload in SI units, and give a reason for every fault."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -19,25 +19,25 @@ Numbers: TypeAlias = tuple[float, ...]
 
 @frozen
 class Components:
-    """One alternative of a quantity: the ways to its components, and what they may be."""
+    """One alternative of a quantity: the ways to its components, and their limits."""
 
     name: str
     ways: tuple[Way, ...]
     factor: float
-    """By what each number is multiplied to be in the SI unit."""
+    """The factor from the payload's unit to the SI unit."""
     largest: float
     """The largest absolute value of a component, in the SI unit."""
     is_whole: bool
-    """Whether one path leads to a list of all components, which then holds nothing else."""
+    """Whether one path leads to a list of all components, and of nothing else."""
     guards: tuple[tuple[Guard, ...], ...]
-    """By component: what else might be meant by its way."""
+    """The guards of the indices on each way."""
     numeric_strings: bool = False
     absent_is_zero: bool = False
     """Whether the encoder leaves zeros out."""
     has_object: bool = False
     """Whether the components stand together below the top of the payload."""
     finish: Callable[[Numbers], Numbers | Reject] | None = None
-    """Checks, and perhaps corrects, the components together."""
+    """A function that checks, and may correct, the components together."""
     factors: tuple[float, ...] = field(init=False)
 
     @factors.default
@@ -46,20 +46,20 @@ class Components:
 
 
 class Judge:
-    """Decides carefully what stands at the ways of a quantity: any payload, any fault."""
+    """Reads a quantity carefully: any payload, any fault."""
 
     def __init__(self, components: Components) -> None:
-        """Prepares."""
+        """Prepare to read the components."""
         self._of = components
         self._steps = [way.steps for way in components.ways]
         self._parent = shared_parent(self._steps)
 
     def read(self, payload: object) -> Numbers | Reject | None:
-        """Return the numbers in a payload, why they cannot be used, or None if there are none."""
+        """Return the numbers in a payload, the reason for a fault, or None if there are none."""
         return self.judge([payload] * len(self._steps))
 
     def judge(self, places: Sequence[object]) -> Numbers | Reject | None:
-        """Return the numbers, one from each place, from which the way of a component begins."""
+        """Return the numbers, each by its way from its own place."""
         found = [follow(place, way) for place, way in zip(places, self._steps, strict=True)]
         if all(value is MISSING or value is None for value in found):
             return self._nothing(places)
@@ -75,7 +75,7 @@ class Judge:
         return self._convert([0.0 if value is MISSING else value for value in found])
 
     def _nothing(self, places: Sequence[object]) -> Numbers | Reject | None:
-        """All zero, if the encoder leaves zeros out and an object for the components is there."""
+        """Return zeros if the encoder leaves zeros out and the components' object is there."""
         if self._parent is not None and self._of.has_object and self._may_be_zero(self._steps):
             parent = follow(places[0], self._parent)
             if isinstance(parent, dict) and not any(way[-1] in parent for way in self._steps):
@@ -95,7 +95,7 @@ class Judge:
         return f"{self._of.name} lacks {shown}{hint}"
 
     def _is_longer(self, place: object) -> bool:
-        """Whether the list of the components holds more than these."""
+        """Return whether the list holds more than the components."""
         parent = follow(place, self._steps[0][:-1])
         return isinstance(parent, list) and len(parent) != len(self._steps)
 
@@ -120,6 +120,6 @@ class Judge:
 
 
 def shared_parent(ways: Sequence[Steps]) -> Steps | None:
-    """Return the way to the place where all components stand; None if there are several."""
+    """Return the way to the one place of all components; None if they have several."""
     parents = {way[:-1] for way in ways}
     return parents.pop() if len(parents) == 1 and all(ways) else None

@@ -1,4 +1,4 @@
-"""Quaternions: whether four numbers are a rotation."""
+"""Check and normalise quaternions."""
 
 import math
 from collections.abc import Callable
@@ -8,15 +8,15 @@ from rosbase.mapping.rejects import Reject
 
 __all__ = ["compile_unit_quaternion"]
 
-# Nearer to 1 than this is what rounding leaves, and is published as it was reported.
+# A norm that differs less than this from 1 was rounded: the quaternion is published as it is.
 _ROUNDING = 1e-6
 
-# The square of a norm that is surely so near, without taking its root.
+# If the square of the norm differs less than this from 1, the norm is within the rounding.
 _SURELY = 1.9e-6
 
 
 def compile_unit_quaternion(tolerance: float) -> Callable[[Numbers], Numbers | Reject]:
-    """Return a function that gives a quaternion norm 1, if it was within `tolerance` of it."""
+    """Return a function that normalises a quaternion whose norm is within `tolerance` of 1."""
 
     def finish(numbers: Numbers) -> Numbers | Reject:
         x, y, z, w = numbers

@@ -1,4 +1,4 @@
-"""Reads a date quickly where it stands as it usually does, and carefully elsewhere."""
+"""Read dates quickly in the usual case, and carefully otherwise."""
 
 from collections.abc import Callable
 from operator import itemgetter
@@ -19,8 +19,8 @@ _NS_PER_S = 1_000_000_000
 def compile_date(dates: Dates) -> DateReader:
     """Return a reader of the date of a payload with one sample.
 
-    Usually it is where the first alternative says, as whole seconds and nanoseconds, or as one
-    number. Whatever is different goes the careful way, which alone decides.
+    Usually the first alternative leads to whole seconds and nanoseconds, or to one number.
+    `Dates` reads all other payloads.
     """
     ways = dates.first_ways
     parents = {steps[:-1] for steps in ways}

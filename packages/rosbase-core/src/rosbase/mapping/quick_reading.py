@@ -1,4 +1,4 @@
-"""Reads a quantity quickly where it stands as it usually does, and carefully elsewhere."""
+"""Read quantities quickly in the usual case, and carefully otherwise."""
 
 from collections.abc import Callable
 from functools import partial
@@ -15,14 +15,14 @@ from rosbase.mapping.surplus import surplus_at
 __all__ = ["Reader", "compile_reader"]
 
 Reader: TypeAlias = Callable[[Any], Numbers | Reject | None]
-"""From a payload to finite numbers in SI units; None if it has nothing of the quantity."""
+"""From a payload to finite numbers in SI units; None if the quantity is absent."""
 
 
 def compile_reader(components: Components) -> Reader:
     """Return a reader of the components in one payload.
 
-    Usually all components stand in one place and are floats within the limit: then nothing
-    more is looked at. Whatever is different goes the careful way, which alone decides.
+    Usually all components are in one place, and are numbers within the full scale. `Judge` reads
+    all other payloads, and it alone refuses.
     """
     careful = Judge(components).read
     ways = [way.steps for way in components.ways]
@@ -35,12 +35,12 @@ def compile_reader(components: Components) -> Reader:
 
 
 class _Place(NamedTuple):
-    """Where all components stand, and what else is to be known to read them."""
+    """The one place of all components, and how to read them."""
 
     locate: Callable[[Any], Any] | None
-    """Goes to the last condition of the way; None if there is none."""
+    """Follows the way up to its last condition; None if there is no condition."""
     steps: tuple[Any, ...]
-    """Keys and indices of the way from there."""
+    """The keys and indices after the last condition."""
     take: Callable[[Any], tuple[Any, ...]]
     of: Components
     careful: Reader
@@ -68,8 +68,8 @@ def _read_three(place: _Place) -> Reader:
             numbers = x, y, z = floats
         if is_scaled:
             numbers = x, y, z = x * a, y * b, z * c
-        # Neither NaN nor an infinity is less than anything. Where the sum of the squares is
-        # within the limit, so is each number.
+        # False for NaN and infinities too. If the sum of the squares is within the full scale,
+        # each number is.
         if not x * x + y * y + z * z < largest_square or (is_whole and len(parent) != 3):
             return careful(payload)
         return careful(payload) if has_more is not None and has_more(payload) else numbers
@@ -112,7 +112,7 @@ def _read_four(place: _Place) -> Reader:
 
 
 def _as_floats(numbers: tuple[Any, ...]) -> tuple[float, ...] | None:
-    """The numbers as floats if each is a float, or a whole number that is not too large."""
+    """Return the numbers as floats; None if one is no number, or too large for a float."""
     for number in numbers:
         if number.__class__ is not float and number.__class__ is not int:
             return None
@@ -123,13 +123,13 @@ def _as_floats(numbers: tuple[Any, ...]) -> tuple[float, ...] | None:
 
 
 def _has_more(of: Components) -> Callable[[Any], object] | None:
-    """What tells whether a list holds more of the same, if there is a list to look at."""
+    """Return a function that finds surplus elements; None if no way has an index."""
     guards = tuple(dict.fromkeys(guard for guards in of.guards for guard in guards))
     return partial(surplus_at, guards=guards) if guards else None
 
 
 def _locator(parent: Steps) -> tuple[Callable[[Any], Any] | None, Steps]:
-    """What goes to the last condition of the way, and the steps from there."""
+    """Return a function that follows the way up to its last condition, and the rest."""
     at = max((n for n, step in enumerate(parent) if isinstance(step, Where)), default=-1)
     if at < 0:
         return None, parent

@@ -1,4 +1,4 @@
-"""Numbers as payloads hold them, as floats; everything else is refused with its reason."""
+"""Convert numbers of payloads to floats, with a reason for every other value."""
 
 import math
 import re
@@ -8,11 +8,11 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["JSON_NUMBER", "to_float"]
 
 JSON_NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
-"""As JSON writes numbers: Python's float() would also take 'nan', '1_0' and Arabic digits."""
+"""A number as in JSON. Python's float() also takes 'nan', '1_0' and Arabic digits."""
 
 
 def to_float(value: object, *, numeric_strings: bool) -> float | Reject:
-    """Return the finite float that the value is.
+    """Return the value as a finite float, or the reason why it is none.
 
     Args:
         value: Any value of JSON.

@@ -1,4 +1,4 @@
-"""Why a payload does not become a sample: one word each for counting, and a hint for people."""
+"""The reasons to refuse a payload: a word for the counts, and a hint for people."""
 
 from attrs import frozen
 
@@ -21,14 +21,14 @@ PAYLOAD_REASONS: dict[str, str] = {
     "uneven": "lists of different length in one message",
     "wrong_type": "something else where a number is due",
 }
-"""The reasons of the mapping language, with what each means or what to check."""
+"""The reasons of the mapping language, each with its meaning or a hint."""
 
 
 @frozen
 class Reject:
-    """A frame that is dropped."""
+    """The reason to refuse a frame, or to leave a quantity out of a sample."""
 
     reason: str
-    """One of the REASONS of the device that is read."""
+    """One word, such as those in PAYLOAD_REASONS."""
     detail: str = ""
-    """What exactly, in half a line; may be empty."""
+    """The details in half a line; may be empty."""

@@ -1,4 +1,4 @@
-"""Finds an object of JSON that has a key twice; decoders let the last one win, in silence."""
+"""Find JSON objects that have a key twice. Decoders silently keep the last one."""
 
 import json
 from collections.abc import Iterator
@@ -7,10 +7,10 @@ from typing import Any
 __all__ = ["OF_NUMBERS", "known_forms", "repeated_key"]
 
 OF_NUMBERS = b"0123456789.-+eE"
-"""What numbers consist of. Without it, the messages of a stream look the same: their form."""
+"""The characters of numbers. Without them, all messages of a stream have the same form."""
 
 known_forms: set[bytes] = set()
-"""Forms of messages in which no key stands twice."""
+"""Forms of messages without a key twice."""
 
 _MOST_FORMS = 64
 _LONGEST_FORM = 4096
@@ -26,7 +26,7 @@ def repeated_key(frame: bytes, payload: Any) -> str | None:
     Raises:
         RecursionError: It is nested too deeply.
     """
-    # Each key has a colon. So has many a text, such as a date: then it is looked up.
+    # Each key has a colon. A text, such as a date, may have one too: then look at each object.
     key = _look_up(frame) if frame.count(b":") > _count_keys(payload) else None
     form = frame.translate(None, OF_NUMBERS)
     if key is None and len(form) <= _LONGEST_FORM and _is_telling(form, payload):
@@ -37,7 +37,7 @@ def repeated_key(frame: bytes, payload: Any) -> str | None:
 
 
 class _RepeatedError(Exception):
-    """Ends the decoding."""
+    """Ends the decoding at a key that an object has twice."""
 
 
 def _look_up(frame: bytes) -> str | None:
@@ -61,7 +61,7 @@ def _count_keys(payload: Any) -> int:
 
 
 def _is_telling(form: bytes, payload: Any) -> bool:
-    """Whether no message of the same form has a key twice: none that differs in digits only."""
+    """Return whether the form proves it: whether keys differ in more than digits."""
     if b"\\" in form:
         return False
     removed = str.maketrans("", "", OF_NUMBERS.decode())
@@ -69,7 +69,7 @@ def _is_telling(form: bytes, payload: Any) -> bool:
 
 
 def _objects(payload: Any) -> Iterator[dict[str, Any]]:
-    """All objects in a payload, however deep."""
+    """Return all objects in a payload, however deep."""
     waiting = [payload]
     while waiting:
         value = waiting.pop()

@@ -1,7 +1,7 @@
-"""Finds list elements that look like the one that a mapping takes, and that it does not take.
+"""Find list elements like the one that a mapping reads, which the mapping does not read.
 
-A device that sends four samples where the mapping reads the first would lose three of four in
-silence; one that sends two sensors would have the wrong one read when their order changes.
+If a device sends four samples and the mapping reads the first, three of four are lost. If it sends
+two sensors and the mapping reads the first, a change of their order is a wrong number.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,20 +14,20 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["Covered", "Guard", "covered_indices", "elements_at", "guards_of", "surplus_at"]
 
 Covered: TypeAlias = dict[Steps, frozenset[int]]
-"""By the way to a list: the indices that a mapping reads in it."""
+"""The indices that a mapping names in a list, by the way to the list."""
 
 
 class Guard(NamedTuple):
-    """An index of a path, and which other indices of the same list the mapping reads."""
+    """An index on a way, with the other indices that the mapping names in the same list."""
 
     to_list: Steps
     rest: Steps
-    """The way on from the element to the number; empty if the element is the number."""
+    """The way from the element to the number; empty if the element is the number."""
     covered: frozenset[int]
 
 
 def covered_indices(ways: Iterable[Steps]) -> Covered:
-    """Return the indices that these ways and the conditions in them name, by list."""
+    """Return the indices in these ways and in their conditions, by list."""
     covered: Covered = {}
     for steps in ways:
         for plain in _without_conditions(steps):
@@ -42,7 +42,7 @@ def _plain(steps: Steps) -> Steps:
 
 
 def _without_conditions(steps: Steps) -> Iterator[Steps]:
-    """The way alone, and the ways of its conditions from the top of the payload."""
+    """Return the way alone, and the paths of its conditions from the top of the payload."""
     plain: Steps = ()
     for step in steps:
         if isinstance(step, Where):
@@ -53,13 +53,12 @@ def _without_conditions(steps: Steps) -> Iterator[Steps]:
 
 
 def guards_of(way: Way, covered: Covered, *, is_whole: bool) -> Iterator[Guard]:
-    """Return what is to be looked at when a number is read.
+    """Return a guard for each index on the way to a number.
 
     Args:
         way: The way to the number.
-        covered: The indices that the whole mapping reads.
-        is_whole: Whether the last step comes of a path to a whole list, whose length is
-            checked anyhow.
+        covered: The indices that the whole mapping names.
+        is_whole: Whether the last index comes from a path to a whole list, which needs no guard.
     """
     steps = way.steps
     for at, step in enumerate(steps[:-1] if is_whole else steps):
@@ -68,7 +67,7 @@ def guards_of(way: Way, covered: Covered, *, is_whole: bool) -> Iterator[Guard]:
 
 
 def surplus_at(value: object, guards: Sequence[Guard]) -> Reject | None:
-    """Return why a list holds more of the same than the mapping reads, if one does."""
+    """Return a `Reject` if a list holds more of the same than the mapping reads."""
     for guard in guards:
         found = follow(value, guard.to_list)
         if isinstance(found, list) and _holds_more(found, guard):
@@ -77,7 +76,7 @@ def surplus_at(value: object, guards: Sequence[Guard]) -> Reject | None:
 
 
 def elements_at(value: object, steps: Steps) -> list[object] | Reject:
-    """Return the elements of the list that the steps before a `[*]` lead to; none if it is none.
+    """Return the elements for a `[*]` after these steps; empty if they lead to no list.
 
     Conditions directly before the `[*]` select among the elements.
     """
@@ -91,8 +90,8 @@ def elements_at(value: object, steps: Steps) -> list[object] | Reject:
 
 def _holds_more(elements: list[object], guard: Guard) -> bool:
     if not guard.rest:
-        # Numbers side by side, as [ax, ay, az, gx, gy, gz]. What follows them may be anything,
-        # but for the same once more.
+        # Numbers side by side, as in [ax, ay, az, gx, gy, gz, temp]. Anything may follow them,
+        # except the same numbers once more.
         size = len(guard.covered)
         return len(elements) > size and not len(elements) % size and max(guard.covered) < size
     others = (element for at, element in enumerate(elements) if at not in guard.covered)

@@ -1,4 +1,4 @@
-"""When the device says that it measured: reads the dates of messages."""
+"""Read the dates of samples."""
 
 from collections.abc import Sequence
 from typing import TypeAlias
@@ -14,20 +14,20 @@ from rosbase.mapping.ways import time_ways
 __all__ = ["Date", "Dates"]
 
 Date: TypeAlias = int | Reject
-"""Nanoseconds since 1970, or why there are none."""
+"""Nanoseconds since 1970, or the reason why the date is unusable."""
 
 
 class Dates:
     """Reads the dates of one message."""
 
     def __init__(self, time: TimeMapping, *, numeric_strings: bool, absent_is_zero: bool) -> None:
-        """Compile what is said of time, once `check_time` has passed."""
+        """Prepare to read dates. `check_time` must have passed."""
         self._alternatives = [tuple(way.steps for way in ways) for ways in time_ways(time)]
         self.first_ways = self._alternatives[0]
         """The ways of the first alternative."""
         is_lone = len(time.paths) == 1
         self.units = [TIME_UNITS[time.unit]] if is_lone else [TIME_UNITS["s"], TIME_UNITS["ns"]]
-        """The unit at each way, in nanoseconds."""
+        """The unit of each part of a date, in nanoseconds."""
         self._has_each = EACH in self.first_ways[0]
         self._numeric_strings = numeric_strings
         self._absent_is_zero = absent_is_zero
@@ -46,9 +46,9 @@ class Dates:
         """Return the dates of the samples of a payload.
 
         Args:
-            payload: Has a date for each sample, or one for the first.
+            payload: A payload with a date for each sample, or for the first.
             count: The number of samples.
-            interval_ns: The time from one sample to the next, if it is known.
+            interval_ns: The time between two samples, if it is known.
         """
         if not self._has_each:
             return self._from_start(self.date(payload), count, interval_ns)
@@ -67,7 +67,7 @@ class Dates:
         return [date if is_date(date) else Reject("time_unusable", "after 2038") for date in dates]
 
     def _each(self, payload: object, ways: Sequence[Steps], count: int) -> list[Date]:
-        """The dates by one alternative; empty if there is nothing of it."""
+        """Return the dates by one alternative; empty if it is absent."""
         lists: list[list[object]] = []
         for steps in ways:
             found = elements_at(payload, steps[: steps.index(EACH)])

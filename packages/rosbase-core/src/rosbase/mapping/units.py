@@ -1,4 +1,4 @@
-"""Units that payloads come in."""
+"""Units of the numbers in payloads."""
 
 from collections.abc import Mapping
 
@@ -8,7 +8,7 @@ __all__ = ["unit_factor"]
 
 
 def unit_factor(parameter: str, unit: str, known: Mapping[str, float]) -> float:
-    """Return by what a number in `unit` is multiplied to be in the SI unit.
+    """Return the factor from `unit` to the SI unit.
 
     Args:
         parameter: The name of the parameter that states the unit, for messages.
@@ -16,7 +16,7 @@ def unit_factor(parameter: str, unit: str, known: Mapping[str, float]) -> float:
         known: The factor of each unit that the quantity may have.
 
     Raises:
-        MappingError: No unit is given, or none of that quantity is called so.
+        MappingError: The unit is empty or unknown.
     """
     if unit in known:
         return known[unit]

@@ -1,4 +1,4 @@
-"""From the paths in a description to ways, with the checks that need no other quantity."""
+"""Parse the paths of a quantity and of time, and check what needs no other quantity."""
 
 from rosbase.errors import MappingError
 from rosbase.mapping.dates import TIME_UNITS
@@ -38,15 +38,15 @@ def time_ways(time: TimeMapping) -> list[tuple[Way, ...]]:
 
 
 def check_time(time: TimeMapping, *, is_batch: bool, is_wanted: bool) -> None:
-    """Check what is said of time, whether or not dates are read.
+    """Check the description of time, even if dates are not read.
 
     Args:
-        time: What is said.
+        time: The description.
         is_batch: Whether a message holds several samples.
         is_wanted: Whether dates are read.
 
     Raises:
-        MappingError: It cannot be, or has no effect.
+        MappingError: A part of it is impossible, or has no effect.
     """
     if len(time.paths) > 2:
         raise MappingError("mapping.time.paths takes one path, or seconds and nanoseconds")
