@@ -479,6 +479,9 @@ def test_f_a_date_that_is_never_usable_is_said_in_the_log_and_in_health(
         (True, "True is no date"),
         (1_700_000_000_000, "after 2038-01-19; is mapping.time.unit right?"),
         ({"sec": 5}, "is no date"),
+        (-(10**400), "a date before 1970"),
+        (10**400, "after 2038-01-19"),
+        (-1e300, "is no date"),
     ],
 )
 def test_f_why_a_date_is_unusable_is_said(

@@ -45,6 +45,8 @@ def date_ns(
         return _unusable("the nanoseconds are more than a second, or negative")
     if is_date(total):
         return total
+    if total < 0:
+        return _unusable("a date before 1970")
     if total < _EARLIEST_NS:
         return _unusable(f"{total / 1e9:.6g} s after 1970 is an uptime, not a date")
     return _unusable("a date after 2038-01-19; is mapping.time.unit right?")
