@@ -20,9 +20,10 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),
     "Transports": ("contracts.transport", "device", "framing"),
-    "Backends": ("contracts.backend", "contracts.imu_sender", "contracts.sendable", "local"),
+    "Backends": ("contracts.backend", "contracts.imu_sender", "local"),
     "Checks of `rosbase doctor`": ("contracts.checks",),
     "Time, waiting, logging": ("clock", "runtime", "logger"),
+    "Text from outside": ("text",),
     "Errors": ("errors",),
 }
 """By heading: the modules, below `rosbase`, that define the names."""

@@ -111,10 +111,10 @@ def test_each_finding_is_a_line_and_what_to_do_stands_indented_below(tmp_path: P
     done = run_apart("doctor", path=tmp_path, PYTHONIOENCODING="ascii")
     assert (done.returncode, done.stderr) == (1, "")
     assert [line for line in done.stdout.splitlines() if "  acme: " in line] == [
-        "ok    acme: a ? ok",
-        "warn  acme: a ? warn",
-        "fail  acme: a ? fail",
-        "skip  acme: a ? skip",
+        "ok    acme: a \\x1b ok",
+        "warn  acme: a \\x1b warn",
+        "fail  acme: a \\x1b fail",
+        "skip  acme: a \\x1b skip",
     ]
     assert done.stdout.count("\n      mend it \\xe4\n") == 4
 

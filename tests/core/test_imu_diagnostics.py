@@ -83,10 +83,10 @@ def test_an_error_in_any_text_is_said_in_one_that_ros_can_send(
 ) -> None:
     rig = rigs(failure=DeviceNotFoundError("/dev/\udcff\0imu is not there"))
     assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
-    assert rig.status().message == r"unconfigured: /dev/\udcff\0imu is not there"
+    assert rig.status().message == r"unconfigured: /dev/\udcff\x00imu is not there"
     rig.registry.failure = None
     rig.activate().transport.failure = DeviceNotFoundError("\udcff\0")
-    assert rig.values()["last error"] == r"\udcff\0"
+    assert rig.values()["last error"] == r"\udcff\x00"
 
 
 def test_a_fault_while_active_is_an_error_until_it_is_brought_up_again(

@@ -246,7 +246,7 @@ def test_a_logger_of_the_programs_own_never_leaves_the_machine_half_way(
     said.log_throttle("again", 1.0)
     assert said.said[-1] == "again"
     if kind is PlainLogger:
-        assert "on_configure raised ValueError: no calibration\nTraceback" in said.said[0]
+        assert "on_configure raised ValueError: no calibration\n  Traceback" in said.said[0]
     node.destroy_node()
 
 

@@ -260,7 +260,7 @@ def test_who_listens_is_given_the_place_and_the_traceback(
         logger.error("100 % lost", exc_info=error)
         logger.error("100 % lost", exc_info=True)
     for record, written in zip(listener.records, records.records, strict=True):
-        assert record.getMessage().startswith("100 % lost\nTraceback (most recent call last)")
+        assert record.getMessage().startswith("100 % lost\n  Traceback (most recent call last)")
         assert record.getMessage().endswith("OSError: gone")
         assert (record.pathname, record.lineno, record.funcName) == (
             written.pathname,

@@ -1,13 +1,16 @@
 """Output of children as lines: bounded, whatever comes."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase.processes.output import OutputLines
 from rosbase.processes.restart import RestartPolicy, Restarts
 from rosbase.testing.strategies import chunkings
+from support.strategies import outside_texts
 
-texts = st.lists(st.text(st.characters(codec="utf-8", exclude_characters="\r\n"), min_size=1))
+printables = st.characters(codec="utf-8").filter(str.isprintable)
+texts = st.lists(st.text(printables, min_size=1))
 
 
 def lines_of(output: OutputLines, chunks: list[bytes]) -> list[str]:
@@ -27,6 +30,38 @@ def test_whatever_comes_is_bounded(data: st.DataObject, stream: bytes) -> None:
     lines = lines_of(output, data.draw(chunkings(stream)))
     assert len(lines) <= 5 + 2
     assert all(len(line) <= 4 * 10 + len(" ... 300 more bytes") for line in lines)
+
+
+@given(st.lists(outside_texts, max_size=3))
+def test_whatever_a_child_writes_each_line_is_one_of_printable_characters(words: list[str]) -> None:
+    stream = "\n".join(words).encode(errors="surrogatepass")
+    for line in lines_of(OutputLines(), [stream]):
+        assert line.isprintable(), "nothing that clears a screen, sets a title or ends a line"
+
+
+SHOWN = {
+    "colours": (b"\x1b[1;31mhot\x1b[0m", ["hot"]),
+    "colours as of today": (b"\x1b[38:2::255:0:0mhot\x1b[m", ["hot"]),
+    "nothing but colours": (b"\x1b[0m", []),
+    "a table": (b"a\tb", ["a       b"]),
+    "a line over the last one": (
+        b"\x1b[2K\r[INFO] [manager]: well",
+        [r"\x1b[2K\r[INFO] [manager]: well"],
+    ),
+    "a title": (b"\x1b]0;mine\x07", [r"\x1b]0;mine\x07"]),
+    "a screen": (b"\x1bc\x1b[2J", [r"\x1bc\x1b[2J"]),
+    "as one byte": (b"\xc2\x9b2J", [r"\x9b2J"]),
+    "another line": ("a\u2028b\x85c\x0bd".encode(), [r"a\u2028b\x85c\x0bd"]),
+    "backwards": ("a\u202eb\u2066".encode(), [r"a\u202eb\u2066"]),
+    "no text": (b"\xff\xfe", [r"\xff\xfe"]),
+}
+
+
+@pytest.mark.parametrize(("written", "shown"), SHOWN.values(), ids=SHOWN)
+def test_what_could_forge_or_hide_a_line_is_shown_as_escapes(
+    written: bytes, shown: list[str]
+) -> None:
+    assert lines_of(OutputLines(), [written + b"\n"]) == shown
 
 
 @given(st.data(), st.integers(0, 60))

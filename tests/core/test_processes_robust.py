@@ -180,7 +180,7 @@ def test_a_manager_that_blocks_signals_still_sees_ends(tmp_path: Path) -> None:
     with running(tmp_path, app) as program:
         status, out, err = program.end()
         assert (status, out) == (0, "0\n")
-        assert "SigBlk:\t0000000000000000" in err
+        assert "SigBlk: 0000000000000000" in err
 
 
 def test_a_long_command_line_and_the_programs_start_method_are_no_trouble(tmp_path: Path) -> None:

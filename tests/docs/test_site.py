@@ -21,7 +21,7 @@ INTERNAL = {
     *("__main__", "cli", "imu", "local"),
     *("roles.connection", "roles.shutdown", "runtime.stopping"),
 }
-ROOMS = ("contracts", "roles", "runtime")
+ROOMS = ("contracts", "roles", "runtime", "text")
 
 REGISTRY = installed_plugins()
 TABLES = capabilities.tables(REGISTRY)

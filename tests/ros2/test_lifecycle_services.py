@@ -162,6 +162,15 @@ def test_what_may_not_be_requested_is_refused_and_changes_nothing(
     assert connected.await_events(2)[0] == (1, "configure", "unconfigured", "configuring")
 
 
+def test_a_label_of_any_text_is_refused_in_one_line(
+    connected: Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert not connected.change(label="configure\x1b[2J\n[INFO] [boss]: all is well\u202e")
+    refused = [line for line in caplog.messages if "change_state refused" in line]
+    assert refused
+    assert all(line.isprintable() for line in refused)
+
+
 def test_a_label_beats_an_id(connected: Client) -> None:
     assert connected.change(5, "configure")
     assert connected.state() == "inactive"

@@ -308,7 +308,7 @@ def test_text_and_levels_that_ros_does_not_know_arrive_as_near_as_can_be(
         backend.log_handler.handle(logging.LogRecord("odd", level, "f", 1, str(level), None, None))
     records = listener.await_text("odd", "400")
     assert [(r.level, r.msg) for r in records] == [
-        (20, "a\\0b \\ud800 \u00e9"),
+        (20, "a\\x00b \\ud800 \u00e9"),
         (10, "1"),
         (20, "25"),
         (50, "400"),
@@ -342,3 +342,20 @@ def test_a_context_that_the_program_ends_ends_the_thread_that_takes_in(
         lambda: "rclpy" not in [thread.name for thread in threading.enumerate()], "the thread"
     )
     assert caplog.messages == []
+
+
+def test_outside_text_is_one_line_and_a_traceback_stands_indented_below_it(
+    start: Callable[..., Ros2Backend], listener: Listener
+) -> None:
+    backend = start("lines")
+    logger = RosbaseLogger("lines", listener=backend.log_handler)
+    forged = "a\n[INFO] [boss]: all is well\x1b[2J\u202e"
+    logger.warning(forged)
+    logger.error("broken", exc_info=ValueError(forged))
+    logger.info("end")
+    said, broken, _ = (record.msg for record in listener.await_text("lines", "end"))
+    assert said == r"a\n[INFO] [boss]: all is well\x1b[2J\u202e"
+    first, *below = broken.split("\n")
+    assert first == "broken"
+    assert below
+    assert all(line.startswith("  ") and line.isprintable() for line in below)

@@ -48,6 +48,20 @@ json_values = st.recursive(
     max_leaves=12,
 )
 
+# What somebody might choose who wants to write on another's terminal.
+outside_texts = st.lists(
+    st.text(max_size=20)
+    | st.sampled_from(
+        [
+            "\x1b[2J", "\x1b]0;title\x07", "\x9b1m", "\r", "\n", "\r\n", "\v", "\f", "\x85",
+            "\u2028", "\u2029", "\u202a", "\u202e", "\u2066", "\u2069", "\u200e", "\u200f",
+            "\u061c", "\ufeff", "\u200b", "\udcff", "\ud800", "\0", "\x7f", "\t", "\xa0", "\U000e0041", "\\n",
+            "ä", "雪",
+        ]
+    ),
+    max_size=30,
+).map("".join)  # fmt: skip
+
 numbers = st.floats(-1e6, 1e6) | st.integers(-1000, 1000)
 
 

@@ -16,6 +16,8 @@ from rosbase import (
     DevicePermissionError,
     NotADeviceError,
     TransportError,
+    one_line,
+    printable,
 )
 
 __all__ = ["Port", "group_name", "port_names"]
@@ -39,7 +41,7 @@ class Port:
         """
         path = config.device_path
         # Fit for a line of text.
-        self._path = path if path.isprintable() and path else repr(path)
+        self._path = printable(path) or repr(path)
         self.name = f"{self._path} at {config.baudrate} baud"
         """What it is called when it is opened."""
         if not path or "\0" in path:
@@ -130,7 +132,7 @@ def _explain(name: str, path: str, baudrate: int, error: Exception) -> Transport
             return DeviceBusyError(f"{name} is in use by another program")
         case errno.ENOTDIR | errno.EISDIR | errno.ELOOP:
             return NotADeviceError(f"{name} is not a serial port")
-    text = " ".join(str(error).split())
+    text = one_line(str(error))
     if "Inappropriate ioctl" in text:
         return NotADeviceError(f"{name} is not a serial port")
     if isinstance(error, ValueError):

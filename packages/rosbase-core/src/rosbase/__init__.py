@@ -29,9 +29,6 @@ if TYPE_CHECKING:
         ImuSender,
         message_sender,
     )
-    from rosbase.contracts.sendable import (
-        sendable,
-    )
     from rosbase.contracts.transport import (
         OnFrame,
         SimulatedDevice,
@@ -161,6 +158,10 @@ if TYPE_CHECKING:
     from rosbase.runtime.wake_pipe import (
         WakePipe,
     )
+    from rosbase.text.printable import (
+        one_line,
+        printable,
+    )
 
 __all__ = [
     "Autostart",
@@ -254,10 +255,11 @@ __all__ = [
     "make_logger",
     "message_sender",
     "mismatch",
+    "one_line",
     "parse_text",
+    "printable",
     "qos_profile_sensor_data",
     "register_multiprocess_nodes",
-    "sendable",
     "shutdown_multiprocess_nodes",
     "timer_period_ns",
 ]
@@ -354,10 +356,11 @@ _HOMES = {
     "make_logger": "rosbase.logger",
     "message_sender": "rosbase.contracts.imu_sender",
     "mismatch": "rosbase.qos",
+    "one_line": "rosbase.text.printable",
     "parse_text": "rosbase.parameters",
+    "printable": "rosbase.text.printable",
     "qos_profile_sensor_data": "rosbase.qos",
     "register_multiprocess_nodes": "rosbase.processes",
-    "sendable": "rosbase.contracts.sendable",
     "shutdown_multiprocess_nodes": "rosbase.processes",
     "timer_period_ns": "rosbase.contracts.backend",
 }

@@ -9,11 +9,12 @@ from functools import partial
 from typing import Any
 
 from rosbase.clock import Clock, SystemClock
+from rosbase.text.printable import indented, log_line
 
 __all__ = ["RosbaseLogger", "make_logger"]
 
 _NS_PER_S = 1_000_000_000
-# From so many on, those whose time is over are forgotten.
+# From so many on, the oldest are forgotten. Their hashes are kept, for a key may be a long text.
 _MANY_KEYS = 1000
 
 
@@ -22,6 +23,9 @@ class RosbaseLogger:
 
     Handlers, levels and formats are the application's, as everywhere in Python. Where it has
     set up none at all, what is INFO or worse goes to stderr, as users of ROS expect.
+
+    Each message is one line of printable characters, whoever's text is in it: line ends and
+    control characters are written as escapes, and a traceback stands indented below the line.
 
     A backend may listen. Its handler is none of the application's and changes nothing of that,
     but for the least level that goes to stderr, which is then the handler's.
@@ -35,8 +39,8 @@ class RosbaseLogger:
         self._logger = logging.getLogger(f"rosbase.{name}")
         self._clock = clock or SystemClock()
         self._have_listen(listener)
-        self._said: set[tuple[int, str]] = set()
-        self._next_ns: dict[str, int] = {}
+        self._said: dict[int, None] = {}
+        self._next_ns: dict[int, int] = {}
         self._lock = threading.Lock()
 
     def debug(self, message: str, *, once: bool = False) -> None:
@@ -77,13 +81,14 @@ class RosbaseLogger:
 
         For messages that change with every call, and should be throttled together.
         """
-        now_ns = self._clock.monotonic_ns()
+        now_ns, known = self._clock.monotonic_ns(), hash(key)
         with self._lock:
-            if now_ns < self._next_ns.get(key, now_ns):
+            if now_ns < self._next_ns.get(known, now_ns):
                 return False
             if len(self._next_ns) >= _MANY_KEYS:
                 self._next_ns = {k: due for k, due in self._next_ns.items() if due > now_ns}
-            self._next_ns[key] = now_ns + int(seconds * _NS_PER_S)
+            _make_room(self._next_ns)
+            self._next_ns[known] = now_ns + int(seconds * _NS_PER_S)
             return True
 
     def reset(self) -> None:
@@ -95,8 +100,9 @@ class RosbaseLogger:
     def _log(self, level: int, message: str, once: bool = False, exc_info: Any = None) -> None:
         if not self._is_enabled(level) or (once and not self._first_time(level, message)):
             return
-        self._emit(level, message, exc_info)
-        self._hand_on(level, message, exc_info)
+        line = log_line(message)
+        self._emit(level, line, exc_info)
+        self._hand_on(level, line, exc_info)
 
     @property
     def level(self) -> int:
@@ -105,11 +111,24 @@ class RosbaseLogger:
         return self._logger.getEffectiveLevel() if has_handlers else self._default_level
 
     def _emit(self, level: int, message: str, exc_info: Any) -> None:
-        if self._logger.hasHandlers():
-            self._logger.log(level, "%s", message, exc_info=exc_info, stacklevel=4)
-        else:
+        error = _error_of(exc_info)
+        if not self._logger.hasHandlers():
             text = f"[{logging.getLevelName(level)}] [{self.name}]: {message}"
             _write_to_stderr(_with_traceback(text, exc_info))
+        elif error is None:
+            self._logger.log(level, "%s", message, stacklevel=4)
+        else:
+            self._logger.handle(self._record_of(level, message, error))
+
+    def _record_of(self, level: int, message: str, error: BaseException) -> logging.LogRecord:
+        """Return a record whose traceback is safe to show: formatters take the text it brings."""
+        path, line, function = _find_caller()
+        details = (type(error), error, error.__traceback__)
+        record = self._logger.makeRecord(
+            self._logger.name, level, path, line, "%s", (message,), details, function
+        )
+        record.exc_text = _traceback_of(error)
+        return record
 
     def _is_enabled(self, level: int) -> bool:
         if self._logger.hasHandlers():
@@ -130,10 +149,12 @@ class RosbaseLogger:
             )
 
     def _first_time(self, level: int, message: str) -> bool:
+        known = hash((level, message))
         with self._lock:
-            if (level, message) in self._said:
+            if known in self._said:
                 return False
-            self._said.add((level, message))
+            _make_room(self._said)
+            self._said[known] = None
             return True
 
 
@@ -173,6 +194,7 @@ class _CustomLogger(RosbaseLogger):
         self, level: int, message: str, *more: Any, once: bool = False, **options: Any
     ) -> None:
         """Writes a message, with whatever else the application's own logger takes."""
+        message = _cleaned(message)
         if not once or self._first_time(level, message):
             exc_info = options.pop("exc_info", None)
             self._emit(level, message, exc_info, *more, **options)
@@ -180,6 +202,7 @@ class _CustomLogger(RosbaseLogger):
 
     def _say_its_way(self, method: str, message: str, *more: Any, **options: Any) -> Any:
         """Writes as only the application's own logger can, at a level that it may be given."""
+        message = _cleaned(message)
         answer = getattr(self._custom, method)(message, *more, **options)
         named = options.get("level", more[0] if more else "")
         level = logging.getLevelNamesMapping().get(str(named).upper(), logging.INFO)
@@ -190,7 +213,7 @@ class _CustomLogger(RosbaseLogger):
     def _hand_on(self, level: int, message: Any, exc_info: Any) -> None:
         # What the application's own logger writes is its affair; who listens has a level too.
         if level >= self._default_level:
-            super()._hand_on(level, message, exc_info)
+            super()._hand_on(level, _cleaned(message), exc_info)
 
     def _is_enabled(self, level: int) -> bool:
         return True
@@ -246,13 +269,29 @@ def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
         return message
 
 
+def _cleaned(message: Any) -> Any:
+    """The message as one line, if it is a text; a logger of the application's may take others."""
+    return log_line(message) if isinstance(message, str) else message
+
+
+def _error_of(exc_info: Any) -> BaseException | None:
+    if isinstance(exc_info, BaseException):
+        return exc_info
+    return sys.exception() if exc_info else None
+
+
+def _traceback_of(error: BaseException) -> str:
+    return indented("".join(traceback.format_exception(error)).rstrip())
+
+
 def _with_traceback(message: Any, exc_info: Any) -> Any:
-    error = exc_info
-    if not isinstance(exc_info, BaseException):
-        error = sys.exception() if exc_info else None
-    if error is None:
-        return message
-    return f"{message}\n{''.join(traceback.format_exception(error)).rstrip()}"
+    error = _error_of(exc_info)
+    return message if error is None else f"{message}\n{_traceback_of(error)}"
+
+
+def _make_room(known: dict[int, Any]) -> None:
+    while len(known) >= _MANY_KEYS:
+        del known[next(iter(known))]
 
 
 def _write_to_stderr(text: str) -> None:

@@ -22,6 +22,7 @@ from rosbase import (
     Timer,
     installed_plugins,
     make_logger,
+    one_line,
     timer_period_ns,
 )
 from rosbase.messages import Imu
@@ -187,7 +188,7 @@ class Ros2Backend(Backend):
             self._check_type(self.node.resolve_topic_name(topic), ros_type)
             return create(ros_type, topic, *options)
         except Exception as error:
-            raise BackendError(f"topic {topic!r}: {' '.join(str(error).split())}") from error
+            raise BackendError(f"topic {topic!r}: {one_line(str(error))}") from error
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.
@@ -223,7 +224,7 @@ def _start_node(context: Any, options: BackendOptions) -> Any:
         )
     except Exception as error:
         context.try_shutdown()
-        reason = " ".join(str(error).split())
+        reason = one_line(str(error))
         if isinstance(error, rclpy_implementation.UnknownROSArgsError):
             # rclpy has nothing to say but the list of them.
             reason = f"not known behind --ros-args: {reason}"

@@ -10,7 +10,14 @@ from rcl_interfaces.msg import (
 )
 from rclpy.parameter import Parameter as RosParameter
 
-from rosbase import Parameter, ParameterError, ParameterKind, ParameterSpec, check_value
+from rosbase import (
+    Parameter,
+    ParameterError,
+    ParameterKind,
+    ParameterSpec,
+    check_value,
+    one_line,
+)
 
 __all__ = ["RosParameters"]
 
@@ -46,7 +53,7 @@ class RosParameters:
         try:
             given = self._node.declare_parameter(spec.name, spec.default, _descriptor(spec))
         except Exception as error:
-            raise ParameterError(" ".join(str(error).split())) from error
+            raise ParameterError(one_line(str(error))) from error
         try:
             value = check_value(spec, _plain(given.value))
         except ParameterError:

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rosbase import sendable
+from rosbase import printable
 
 __all__ = ["RosoutHandler"]
 
@@ -68,8 +68,9 @@ def _to_ros(record: logging.LogRecord, node_name: str) -> Any:
         # ROS knows these five only, and the tools look them up.
         level=min(50, max(10, record.levelno // 10 * 10)),
         name=node_name,
-        msg=sendable(record.getMessage()),
-        file=sendable(record.pathname),
+        # What the loggers hand on is printable, so it has none of what ROS cannot send.
+        msg=record.getMessage(),
+        file=printable(record.pathname),
         function=record.funcName or "",
         line=record.lineno,
     )

@@ -12,6 +12,7 @@ from attrs import frozen
 
 from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse_text
+from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = [
     "Given",
@@ -30,7 +31,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Says what is wrong, and ends with status 2."""
-        self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
+        self.exit(2, f"{self.prog}: {one_line(message, MOST_LINE)}\n")
 
 
 def positive_number(text: str) -> float:
@@ -138,7 +139,7 @@ def _read_file(file: Path | None) -> dict[str, Any]:
         raise ConfigurationError(f"{file}: nested too deeply") from None
     except ValueError as error:
         # TOML's own errors and those of UTF-8 are both of this kind.
-        raise ConfigurationError(f"{file}: {' '.join(str(error).split())}") from error
+        raise ConfigurationError(f"{file}: {one_line(str(error))}") from error
 
 
 def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

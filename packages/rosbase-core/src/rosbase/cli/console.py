@@ -5,6 +5,7 @@ import shutil
 import sys
 
 from rosbase.cli.output import Output
+from rosbase.text.printable import indented, log_line
 
 __all__ = ["LiveLine", "log_to_stderr"]
 
@@ -29,10 +30,10 @@ class LiveLine:
         """Shows the text in place of the one before."""
         if self._output.is_terminal:
             width = shutil.get_terminal_size().columns - 1
-            self._output.write(f"{_CLEAR}{text[:width]}")
+            self._output.write(f"{_CLEAR}{log_line(text)[:width]}")
             self._is_shown = True
         else:
-            self._output.write(f"{text}\n")
+            self._output.write(f"{log_line(text)}\n")
 
     def end(self) -> None:
         """Leaves the last text standing, and goes on below it."""
@@ -42,9 +43,18 @@ class LiveLine:
 
 
 class _Formatter(logging.Formatter):
+    """Writes records in the shape of ROS 2: a line each, and tracebacks indented below it."""
+
+    def __init__(self, begin: str) -> None:
+        super().__init__()
+        self._begin = begin
+
     def format(self, record: logging.LogRecord) -> str:
-        record.name = record.name.removeprefix("rosbase.")
-        return super().format(record)
+        name = record.name.removeprefix("rosbase.")
+        line = log_line(f"[{record.levelname}] [{name}]: {record.getMessage()}")
+        trace = self.formatException(record.exc_info) if record.exc_info else record.exc_text
+        below = [indented(text) for text in (trace, record.stack_info) if text]
+        return self._begin + "\n".join([line, *below])
 
 
 class _OutputHandler(logging.Handler):
@@ -62,8 +72,7 @@ def log_to_stderr() -> Output:
     """Has rosbase's log records written to stderr, in the shape of ROS 2; gives the output."""
     output = Output(sys.stderr)
     handler = _OutputHandler(output)
-    clear = _CLEAR if output.is_terminal else ""
-    handler.setFormatter(_Formatter(f"{clear}[%(levelname)s] [%(name)s]: %(message)s"))
+    handler.setFormatter(_Formatter(_CLEAR if output.is_terminal else ""))
     logger = logging.getLogger("rosbase")
     logger.handlers[:] = [handler]
     logger.setLevel(logging.INFO)

@@ -8,6 +8,7 @@ from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import installed_plugins
+from rosbase.text.printable import log_line
 
 __all__ = ["configure", "run"]
 
@@ -45,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.list_parameters:
         for spec in specs:
             value = as_text(_OWN_DEFAULTS.get(spec.name, spec.default))
-            print(f"{spec.name}:={value}  # {spec.description}")
+            print(log_line(f"{spec.name}:={value}  # {spec.description}"))
         return 0
     given = read_given(arguments.assignments, arguments.params_file)
     # First, because a transport that is not installed leaves its parameters unknown.

@@ -4,6 +4,7 @@ import argparse
 
 from rosbase.imu.settings import judged_plugins
 from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, installed_plugins
+from rosbase.text.printable import log_line
 
 __all__ = ["configure", "run", "what_of"]
 
@@ -20,7 +21,7 @@ def run(arguments: argparse.Namespace) -> int:
     for record in records:
         origin = f"{record.distribution} {record.version}"
         states = f"{record.name:{name_width}}  {record.status:{status_width}}"
-        print(f"{states}  {origin}  {what_of(record)}")
+        print(log_line(f"{states}  {origin}  {what_of(record)}"))
     return 0
 
 

@@ -12,6 +12,7 @@ from rosbase.cli.output import own_stdio
 from rosbase.errors import ConfigurationError, RosbaseError
 from rosbase.plugins import CommandPlugin, installed_plugins
 from rosbase.roles.connection import backend_name
+from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = ["run"]
 
@@ -34,7 +35,7 @@ def _run(arguments: list[str]) -> int:
         status = _run_command(arguments)
         sys.stdout.flush()
     except RosbaseError as error:
-        _complain(" ".join(str(error).split()))
+        _complain(one_line(str(error), MOST_LINE))
         return 2
     except BrokenPipeError:
         # Whoever read has had enough, as `head` does. What is left must not be tried again.

@@ -17,6 +17,7 @@ from rosbase.roles.connection import open_backend
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.node import BaseNode
 from rosbase.runtime.histogram import Histogram
+from rosbase.text.printable import log_line
 
 __all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
 
@@ -132,7 +133,7 @@ class ReaderManager(BaseManager):
             self._stdout.drain(_LAST_WRITE_S, self.backend.clock)
         self.live_line.end()
         if not self.is_quiet:
-            self._report.write("".join(f"{line}\n" for line in self.summary()))
+            self._report.write("".join(f"{log_line(line)}\n" for line in self.summary()))
         for output in (self._stdout, self._log):
             output.drain(_LAST_WRITE_S, self.backend.clock)
 

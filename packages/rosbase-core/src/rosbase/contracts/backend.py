@@ -221,8 +221,9 @@ class Backend(ABC):
 
     log_handler: logging.Handler | None = None
     """Given every record of the backend's manager or lone node, beside the console, from any
-    thread; where the application has set up no logging, its level is the least for both. It
-    must raise nothing, also after `close`. Set before the constructor returns."""
+    thread; where the application has set up no logging, its level is the least for both. The
+    message is one line of printable characters, with a traceback indented below it. It must
+    raise nothing, also after `close`. Set before the constructor returns."""
 
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Lets the outside see and drive the lifecycle of a node of this backend.

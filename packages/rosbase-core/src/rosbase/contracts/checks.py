@@ -16,6 +16,7 @@ from attrs import Attribute, field, frozen
 
 from rosbase.clock import Clock
 from rosbase.parameters import ParameterValue
+from rosbase.text.printable import one_line
 
 __all__ = ["CheckContext", "Finding", "Outcome"]
 
@@ -32,10 +33,6 @@ class Outcome(Enum):
     """It has not been looked at, or the user does without it."""
 
 
-def _one_line(text: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
-
-
 def _says_what_to_do(instance: "Finding", attribute: "Attribute[str]", value: str) -> None:
     if not value and instance.outcome in (Outcome.WARN, Outcome.FAIL):
         raise ValueError(f"the finding {instance.text!r} does not say what to do")
@@ -46,9 +43,9 @@ class Finding:
     """One thing that a check has found, as one line, and what to do about it, as another."""
 
     outcome: Outcome
-    text: str = field(converter=_one_line)
+    text: str = field(converter=one_line)
     """What is so."""
-    advice: str = field(default="", converter=_one_line, validator=_says_what_to_do)
+    advice: str = field(default="", converter=one_line, validator=_says_what_to_do)
     """What the user may do, best a command. Never missing where the outcome is WARN or FAIL."""
 
 

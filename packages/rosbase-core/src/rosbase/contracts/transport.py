@@ -47,6 +47,7 @@ __all__ = [
 ]
 
 _CALLBACK_LOG_S = 5.0
+_MOST_REASONS = 100
 
 OnFrame: TypeAlias = Callable[[bytes, int], bool | None]
 """`on_frame(frame, stamp_ns)`: take one frame, stamped when its first bytes were read.
@@ -99,7 +100,13 @@ class Tally:
     last_error: str = ""
 
     def count_error(self, reason: str) -> None:
-        """Counts something that could not become a frame."""
+        """Counts something that could not become a frame.
+
+        A reason is a word of the transport's own. Of more than a hundred different ones, the
+        others are counted as `other`.
+        """
+        if reason not in self.frame_errors and len(self.frame_errors) >= _MOST_REASONS:
+            reason = "other"
         self.frame_errors[reason] = self.frame_errors.get(reason, 0) + 1
 
     def health(self, state: TransportState) -> TransportHealth:

@@ -5,13 +5,13 @@ from typing import Protocol
 
 from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend
-from rosbase.contracts.sendable import sendable
 from rosbase.contracts.transport import TransportHealth
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.health import Health
 from rosbase.imu.settings import ReaderSettings
 from rosbase.lifecycle import CallbackReturn, State, TransitionEvent
 from rosbase.messages import DiagnosticArray, DiagnosticStatus, Header, KeyValue
+from rosbase.text.printable import MOST_PROSE, printable
 
 __all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
 
@@ -86,10 +86,11 @@ class Diagnostics:
             level=level,
             name=self._name,
             # What an error says is anybody's text, and must not end the reader.
-            message=sendable(message),
-            hardware_id=sendable(settings.device),
+            message=printable(message, MOST_PROSE),
+            hardware_id=printable(settings.device),
             values=tuple(
-                KeyValue(key, sendable(value)) for key, value in self._values(state, settings)
+                KeyValue(printable(key), printable(value, MOST_PROSE))
+                for key, value in self._values(state, settings)
             ),
         )
 

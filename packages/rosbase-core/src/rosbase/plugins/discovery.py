@@ -5,6 +5,8 @@ from importlib.metadata import Distribution, EntryPoint, distributions
 
 from attrs import frozen
 
+from rosbase.text.printable import one_line
+
 __all__ = ["CORE", "Candidate", "find_candidates"]
 
 CORE = "rosbase-core"
@@ -78,7 +80,7 @@ def _candidates_of(distribution: Distribution, name: str, group: str) -> Iterabl
         version = distribution.version or "?"
         entries = [entry for entry in distribution.entry_points if entry.group == group]
     except Exception as error:
-        damage = f"its metadata cannot be read: {' '.join(repr(error).split())}"
+        damage = f"its metadata cannot be read: {one_line(repr(error))}"
         yield Candidate("?", name, "?", None, damage)
         return
     for entry in entries:

@@ -27,8 +27,9 @@ from rosbase.plugins.descriptors import (
     TransportPlugin,
 )
 from rosbase.plugins.discovery import Candidate
+from rosbase.text.printable import one_line
 
-__all__ = ["PluginRecord", "Trace", "load_plugin", "one_line"]
+__all__ = ["PluginRecord", "Trace", "load_plugin", "words_of"]
 
 Trace: TypeAlias = Callable[[str], object]
 """Takes one line about a plugin."""
@@ -103,8 +104,8 @@ def load_plugin(manager: pluggy.PluginManager, candidate: Candidate, trace: Trac
         raise
     except BaseException as error:
         # Base: a module may do anything while it is imported, such as calling sys.exit().
-        trace(f"failed: {one_line(error)}")
-        return evolve(record, failure=one_line(error))
+        trace(f"failed: {words_of(error)}")
+        return evolve(record, failure=words_of(error))
     return evolve(record, descriptors=tuple(descriptors))
 
 
@@ -155,7 +156,7 @@ def _checked(
         yield descriptor
 
 
-def one_line(error: BaseException) -> str:
-    """The class of an error, and what it says."""
-    text = " ".join(str(error).split())
+def words_of(error: BaseException) -> str:
+    """Return the class of an error, and what it says, in one line."""
+    text = one_line(str(error))
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -22,8 +22,9 @@ from rosbase.plugins.descriptors import (
     conversion_name,
 )
 from rosbase.plugins.discovery import CORE, Candidate, find_candidates
-from rosbase.plugins.loader import PluginRecord, Trace, load_plugin, one_line
+from rosbase.plugins.loader import PluginRecord, Trace, load_plugin, words_of
 from rosbase.plugins.switches import BLOCK_VARIABLE, STRICT_VARIABLE, PluginSwitches
+from rosbase.text.printable import log_line
 
 __all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
 
@@ -152,7 +153,7 @@ class PluginRegistry:
         try:
             return accept(found.create())
         except Exception as error:
-            failed = f"{self.owner_of(found).full_name} failed: {one_line(error)}"
+            failed = f"{self.owner_of(found).full_name} failed: {words_of(error)}"
             raise PluginError(_says(found.kind, name, failed)) from error
 
     def owner_of(self, descriptor: Descriptor) -> PluginRecord:
@@ -238,7 +239,8 @@ def _trace_of(candidate: Candidate, switches: PluginSwitches) -> Trace:
     def trace(line: str) -> None:
         if switches.traces:
             try:
-                print(f"rosbase hooks: {candidate.full_name} {line}", file=sys.stderr)
+                text = log_line(f"rosbase hooks: {candidate.full_name} {line}")
+                print(text, file=sys.stderr)
             except OSError:
                 # That nobody can hear it is no fault of the plugin.
                 pass

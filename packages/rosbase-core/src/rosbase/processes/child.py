@@ -57,7 +57,9 @@ class Life:
         self._guardian = launched.guardian
         self._link = launched.link
         self._said = b""
-        self._codes: dict[int, int] = {}
+        # Of the command, and of the first of its descendants that failed; there may be many.
+        self._own_code = -signal.SIGKILL
+        self._other_code = 0
         child.is_alive, child.pid, child.exit_code = True, None, None
 
     def ask_to_stop(self) -> None:
@@ -115,8 +117,13 @@ class Life:
             self.child.pid = int(values[0])
         elif what == "ended":
             pid, code = int(values[0]), int(values[1])
-            self._codes[pid] = code
-            if pid == self.child.pid and code:
+            if pid != self.child.pid:
+                # Who writes into a pipe that nobody reads any more has done its work.
+                has_failed = code not in (0, -signal.SIGPIPE)
+                self._other_code = self._other_code or (code if has_failed else 0)
+                return
+            self._own_code = code
+            if code:
                 # The guardian clears away what it leaves behind; that takes a moment.
                 self.child.exit_code = code
         elif what == "killed":
@@ -126,10 +133,7 @@ class Life:
 
     def _code(self) -> int:
         """The command's; or that of what it left in the background, if that failed."""
-        code = self._codes.get(self.child.pid or 0, -signal.SIGKILL)
-        # Who writes into a pipe that nobody reads any more has done its work.
-        others = [c for c in self._codes.values() if c not in (0, -signal.SIGPIPE)]
-        return code or next(iter(others), 0)
+        return self._own_code or self._other_code
 
 
 def _watch(pid: int) -> int:

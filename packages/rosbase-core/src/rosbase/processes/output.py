@@ -1,17 +1,22 @@
 """What a child writes, as lines for the log. Bytes in, texts out; bounded whatever comes."""
 
+import re
 from collections.abc import Iterator
+
+from rosbase.text.printable import log_line
 
 __all__ = ["OutputLines"]
 
 _NS_PER_S = 1_000_000_000
+_COLOUR = re.compile(r"\x1b\[[0-9;:]*m")
 
 
 class OutputLines:
     """Cuts output into lines, and keeps the log readable.
 
     A line that is too long is cut, and one that is too many in a second is left out; both are
-    said. Bytes that are not UTF-8 are shown as escapes.
+    said. Colours are left out, and whatever else cannot be printed, such as what clears a screen,
+    moves the cursor or sets a title, is shown as escapes; so are bytes that are not UTF-8.
     """
 
     __slots__ = (
@@ -66,7 +71,7 @@ class OutputLines:
 
     def _line(self, end: bytes) -> Iterator[str]:
         self._keep(end)
-        text = self._partial.rstrip(b"\r").decode("utf-8", "backslashreplace")
+        text = _plain(self._partial.rstrip(b"\r").decode("utf-8", "backslashreplace"))
         if self._cut_bytes:
             text += f" ... {self._cut_bytes} more bytes"
         self._partial, self._cut_bytes = b"", 0
@@ -78,3 +83,7 @@ class OutputLines:
         room = self._max_bytes - len(self._partial)
         self._partial += piece[:room]
         self._cut_bytes += max(0, len(piece) - room)
+
+
+def _plain(line: str) -> str:
+    return log_line(_COLOUR.sub("", line))

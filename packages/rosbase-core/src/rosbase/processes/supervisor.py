@@ -15,6 +15,8 @@ from rosbase.processes.guardian import PATIENCE_S
 __all__ = ["Supervisor"]
 
 _NS_PER_S = 1_000_000_000
+# Of a record, such as those of a traceback.
+_MOST_LINES = 200
 # The guardian keeps to its own time; this is for one that cannot.
 _STOP_NS = int((PATIENCE_S + 1.0) * _NS_PER_S)
 
@@ -205,4 +207,7 @@ class Supervisor:
             logging.ERROR: self.logger.error,
             logging.CRITICAL: self.logger.critical,
         }
-        methods.get(level, self.logger.info)(f"{child.name}: {text}")
+        write = methods.get(level, self.logger.info)
+        # Each with the name in front, as output: what stands below a record is the child's too.
+        for line in text.splitlines()[:_MOST_LINES] or [""]:
+            write(f"{child.name}: {line}")
