@@ -293,6 +293,7 @@ def test_a_unix_socket_works(rig: MosquittoRig) -> None:
     with TemporaryDirectory(dir="/tmp") as folder:
         path = Path(folder) / "mosquitto.sock"
         broker = rig.broker(f"listener 0 {path}")
+        wait_until(path.exists, "mosquitto to listen there too")
         transport = rig.started(f"unix://{path}")
         rig.prove(broker)
         broker.kill()

@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
-from imu_mqtt.buffered_socket import MOST_PACKET_BYTES
 from imu_mqtt.network_thread import NetworkThread
+from imu_mqtt.packets import MOST_PACKET_BYTES
 from imu_mqtt.simulator import EmbeddedBroker
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES
 from rosbase.contracts.transport import TransportState

@@ -30,9 +30,16 @@ class Rig:
         topic: str = "a/imu",
         retained: bool = False,
         redelivered: bool = False,
+        fault: str = "",
     ) -> None:
         self.subscription.take(
-            payload, stamp_ns, topic=topic, retained=retained, redelivered=redelivered
+            payload,
+            stamp_ns,
+            topic=topic,
+            retained=retained,
+            redelivered=redelivered,
+            fault=fault,
+            size=len(payload),
         )
 
 
@@ -208,3 +215,28 @@ def test_waiting_for_the_broker_ends_with_its_answer() -> None:
     waiting = started(lambda: subscription.await_answer(20.0))
     subscription.answer()
     wait_until(lambda: not waiting.is_alive(), "the end of the waiting", timeout_s=5.0)
+
+
+def test_a_topic_that_is_none_is_counted_said_once_and_no_sign_of_life(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    rig = Rig(is_filter=True)
+    for number in range(100):
+        rig.take(b"{}", topic=f"lab/\x1b[2J\n{number}", fault="bad_topic")
+    assert rig.tally.frame_errors == {"bad_topic": 100}
+    assert rig.tally.last_data_ns is None
+    assert caplog.messages == [r"dropping messages to a topic MQTT forbids: lab/\x1b[2J\n0"]
+    rig.take(b"{}", topic="lab/\u202eumi")
+    assert len(rig.frames) == 1
+
+
+def test_a_fault_of_the_packet_counts_where_the_topic_is_ours() -> None:
+    rig = Rig(is_filter=True)
+    rig.take(b"{}")
+    rig.take(b"", fault="overlong")
+    rig.take(b"", fault="duplicate")
+    rig.take(b"", fault="overlong", topic="b/imu")
+    rig.take(b"", fault="overlong", retained=True)
+    assert rig.tally.frame_errors == {
+        "overlong": 1, "duplicate": 1, "other_topic": 1, "retained": 1,
+    }  # fmt: skip

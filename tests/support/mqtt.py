@@ -60,6 +60,9 @@ class Peer:
         self._stream = sock.makefile("rb")
         # What is published must not come between the halves of an answer.
         self._lock = threading.Lock()
+        self._is_closed = threading.Event()
+        self.is_let_in = False
+        """Whether the client's greeting has been answered: nothing goes before that."""
 
     def send(self, data: bytes) -> None:
         with self._lock:
@@ -67,19 +70,20 @@ class Peer:
 
     def receive(self) -> tuple[int, bytes]:
         """The next packet's first byte and body. Raises EOFError when there is none."""
-        kind, length, shift = self._read(1)[0], 0, 0
+        kind, length, shift = self.read(1)[0], 0, 0
         while True:
-            byte = self._read(1)[0]
+            byte = self.read(1)[0]
             length |= (byte & 0x7F) << shift
             shift += 7
             if not byte & 0x80:
-                return kind, self._read(length)
+                return kind, self.read(length)
 
     def accept(self, code: int = 0) -> None:
         """Answers the client's CONNECT."""
         kind, _ = self.receive()
         assert kind == CONNECT
         self.send(packet(CONNACK, bytes([0, code])))
+        self.is_let_in = True
 
     def serve(self, *, until: int | None = None) -> None:
         """Answers what a client asks, up to the first packet of that kind, answered too."""
@@ -100,7 +104,17 @@ class Peer:
         while self._stream.read1(65_536):
             pass
 
+    def pause(self, seconds: float) -> None:
+        """Does nothing for a while. Raises EOFError when the connection is closed here."""
+        if self._is_closed.wait(seconds):
+            raise EOFError
+
+    def shrink(self) -> None:
+        """Takes little from now on, if nobody reads."""
+        self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4_096)
+
     def close(self) -> None:
+        self._is_closed.set()
         try:
             self._sock.shutdown(socket.SHUT_RDWR)
         except OSError:
@@ -112,7 +126,8 @@ class Peer:
         self._stream.close()
         self._sock.close()
 
-    def _read(self, size: int) -> bytes:
+    def read(self, size: int) -> bytes:
+        """So many bytes. Raises EOFError when there are no more."""
         data = self._stream.read(size)
         if len(data) < size:
             raise EOFError
@@ -176,12 +191,18 @@ def sends(*data: bytes) -> Behaviour:
 class ScriptedBroker:
     """Listens on a port of this machine, and treats each connection as the test says."""
 
-    def __init__(self, behaviour: Behaviour = serves, port: int = 0) -> None:
+    def __init__(self, behaviour: Behaviour = serves, port: int = 0, path: str = "") -> None:
         self.behaviour = behaviour
         """That of the connections from now on."""
         self.dials = 0
-        self._server = socket.create_server(("127.0.0.1", port))
-        self.port: int = self._server.getsockname()[1]
+        self._path = path
+        if path:
+            self._server = socket.socket(socket.AF_UNIX)
+            self._server.bind(path)
+            self._server.listen()
+        else:
+            self._server = socket.create_server(("127.0.0.1", port))
+        self.port: int = 0 if path else self._server.getsockname()[1]
         self.peers: list[Peer] = []
         """Those that are connected."""
         self._lock = threading.Lock()
@@ -190,13 +211,15 @@ class ScriptedBroker:
 
     @property
     def address(self) -> str:
-        return f"tcp://127.0.0.1:{self.port}"
+        return f"unix://{self._path}" if self._path else f"tcp://127.0.0.1:{self.port}"
 
     def send(self, data: bytes) -> None:
-        """Sends to everybody who is there."""
+        """Sends to everybody who has been let in."""
         for peer in list(self.peers):
-            with suppress(OSError):
-                peer.send(data)
+            if peer.is_let_in:
+                # It may have gone, and nobody has noticed yet.
+                with suppress(OSError):
+                    peer.send(data)
 
     def drop(self) -> None:
         """Ends all connections."""

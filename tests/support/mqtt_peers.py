@@ -3,7 +3,6 @@
 import itertools
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 from rosbase.errors import TransportError
@@ -28,10 +27,7 @@ class ScriptedPeer:
     def send(self, payload: bytes) -> None:
         if not self._is_plugged:
             raise TransportError("the broker has ended")
-        for client in list(self._broker.peers):
-            # It may have gone, and the broker not yet noticed.
-            with suppress(OSError):
-                client.send(publish_packet(b"esp32/imu", payload))
+        self._broker.send(publish_packet(b"esp32/imu", payload))
 
     send_raw = send
 

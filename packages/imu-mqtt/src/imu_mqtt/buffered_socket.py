@@ -1,142 +1,139 @@
-"""What stands between paho and the network: a few large reads and writes instead of many small."""
+"""What stands between paho and the network: large reads and writes, TLS, and a WebSocket."""
 
-import select
 import socket
 import ssl
 from contextlib import suppress
 from typing import Any
 
 from imu_mqtt.dialing import Dial
+from imu_mqtt.websocket import WebSocket, WebSocketError
 
-__all__ = ["MOST_PACKET_BYTES", "BufferedSocket", "SocketWrapper"]
-
-MOST_PACKET_BYTES = 2 * 65_536 + 1_024
-"""Of a longer packet the middle is thrown away: twice the longest payload, and its topic."""
+__all__ = ["BufferedSocket", "SocketWrapper"]
 
 _READ_BYTES = 65_536
-
-
-class _ThrownAway(bytes):
-    """Tells paho that so many bytes were read, and holds none of them."""
-
-    length: int
-
-    def __len__(self) -> int:
-        return self.length
+# Answers to some thousand messages. A broker that does not take them has stopped reading.
+_MOST_UNSENT_BYTES = 65_536
 
 
 class BufferedSocket:
-    """As much of a socket as paho uses.
+    """A connection that is read by its owner, and as much of a socket as paho uses.
 
-    paho reads a packet in four pieces, and in each of these system calls another thread may take
-    over. Two threads that work hand in hand, one message after the other, then do so all the
-    time, which costs more than whatever is done with a message.
+    The owner reads what arrives with `fill`, and gives paho only the packets that are for it with
+    `offer`. paho alone would read each packet in four system calls, and keep whatever it is sent.
     """
 
-    def __init__(self, inner: socket.socket, dial: Dial, *, is_framed: bool) -> None:
-        """Takes over a socket that is connected.
+    def __init__(self, inner: socket.socket, dial: Dial, websocket: WebSocket | None) -> None:
+        """Take over a socket that is connected.
 
         Args:
             inner: The socket.
             dial: How long may be waited for what comes before MQTT.
-            is_framed: Whether a WebSocket reads from it, and not MQTT itself.
+            websocket: Carries the MQTT; None where nothing does.
         """
         self._inner = inner
-        self._dial: Dial | None = dial
-        self._is_framed = is_framed
-        self._kept_bytes = self._still_long = 0
-        # One buffer and exact copies keep the memory of the process flat.
-        self._view = memoryview(bytearray(_READ_BYTES))
-        self._start = self._end = 0
-        self.failure: OSError | None = None
-        """Why nothing more can be read; paho does not tell."""
-        self._is_corked = False
+        self._dial = dial
+        self._websocket = websocket
+        # Frames of a WebSocket, as they come.
+        self._raw = memoryview(bytearray(_READ_BYTES if websocket else 0))
+        self._early = b""
+        self._offered = bytearray()
         self._unsent = bytearray()
+        self.is_over = False
+        """Whether nothing more can be read."""
+        self.failure: Exception | None = None
+        """Why nothing more can be read, if the other end has not just closed it."""
         self.fileno = inner.fileno
 
     def setblocking(self, flag: object) -> None:
-        """Does nothing: it never waits but for what comes before MQTT, and then with a limit."""
+        """Do nothing: it never waits but for what comes before MQTT, and then with a limit."""
 
     settimeout = setblocking
 
-    def end_dialing(self) -> None:
-        """What comes now is MQTT, and nothing is waited for."""
-        self._dial = None
+    def do_handshake(self) -> None:
+        """Do what comes before MQTT: TLS and the WebSocket's request, where they are used.
 
-    def close(self) -> None:
-        """Closes it; first, with TLS, looks why the other end has, which paho may not have read."""
-        if isinstance(self._inner, ssl.SSLSocket) and self.failure is None:
-            self._dial = None
-            with suppress(OSError, ValueError):
-                self._fill()
-        self._inner.close()
+        Raises:
+            OSError: The other end is gone, or does not answer in time.
+            WebSocketError: The other end speaks no WebSocket.
+        """
+        if isinstance(self._inner, ssl.SSLSocket):
+            self._dial.shake_hands(self._inner)
+        if self._websocket is not None:
+            self._dial.send(self._inner, self._websocket.request)
+            self._early = self._await_answer(self._websocket)
+
+    def _await_answer(self, websocket: WebSocket) -> bytes:
+        while data := self._dial.receive(self._inner):
+            early = websocket.take_answer(data)
+            if early is not None:
+                return early
+        raise WebSocketError("it hung up")
 
     def pending(self) -> int:
-        """How many bytes have been read from the network, and not by paho."""
+        """Return how many bytes are there that `poll` does not see."""
         inner = self._inner
-        # What TLS has decrypted, poll does not see.
         below = inner.pending() if isinstance(inner, ssl.SSLSocket) else 0
-        return self._end - self._start + below
+        return len(self._early) + below
+
+    def fill(self, room: memoryview) -> int:
+        """Read what has arrived into `room`, as much as it takes, up to 64 KiB.
+
+        Returns:
+            How many bytes of MQTT that was. 0 also at the end, which `is_over` tells.
+        """
+        try:
+            if self._websocket is not None:
+                return self._fill_from(self._websocket, room)
+            count = self._inner.recv_into(room)
+            self.is_over = not count
+            return count
+        except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            return 0
+        except (OSError, WebSocketError) as error:
+            self.failure = error
+            self.is_over = True
+            return 0
+
+    def _fill_from(self, websocket: WebSocket, room: memoryview) -> int:
+        early, self._early = self._early, b""
+        arrived = memoryview(early) or self._raw[: self._inner.recv_into(self._raw)]
+        self.is_over = not arrived
+        count = 0
+        for piece in websocket.feed(arrived):
+            room[count : count + len(piece)] = piece
+            count += len(piece)
+        self._unsent += websocket.answers()
+        self.is_over |= websocket.has_ended
+        return count
+
+    def offer(self, packet: bytes) -> None:
+        """Have paho read this next."""
+        self._offered += packet
 
     def recv(self, size: int) -> bytes:
-        """Some of what has arrived, `size` bytes at most. Raises what a socket does."""
-        start, end = self._start, self._end
-        if start == end:
-            start, end = 0, self._fill()
-        self._start, self._end = stop, _ = min(start + size, end), end
-        if size > MOST_PACKET_BYTES:
-            return self._take_of_long(size, start, stop)
-        return self._view[start:stop].tobytes()
-
-    def _take_of_long(self, size: int, start: int, stop: int) -> bytes:
-        """Some of a packet of which so much is to come that it is not for us.
-
-        paho would keep all of it. It gets the beginning, with the topic, and the end.
-        """
-        if self._is_framed:
-            # A WebSocket keeps accounts of its own.
-            self.failure = OSError(f"a message is longer than {MOST_PACKET_BYTES} bytes")
+        """Return some of what was offered. Called by paho; raises what a socket does."""
+        if self._offered:
+            data = bytes(self._offered[:size])
+            del self._offered[:size]
+            return data
+        if not self.is_over:
+            raise BlockingIOError
+        if isinstance(self.failure, OSError):
             raise self.failure
-        if size >= self._still_long:
-            # Within a packet it gets less and less, so this is another one.
-            self._kept_bytes = 0
-        self._still_long = size
-        if self._kept_bytes < MOST_PACKET_BYTES:
-            self._kept_bytes += stop - start
-            return self._view[start:stop].tobytes()
-        thrown = _ThrownAway()
-        thrown.length = stop - start
-        return thrown
-
-    def _fill(self) -> int:
-        while True:
-            try:
-                return self._inner.recv_into(self._view)
-            except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
-                if self._dial is None:
-                    raise
-                self._dial.wait(self._inner, select.POLLIN)
-            except OSError as error:
-                self.failure = error
-                raise
+        return b""
 
     def send(self, data: bytes) -> int:
-        """Sends some of it. Raises what a socket does."""
-        if self._is_corked:
-            self._unsent += data
-            return len(data)
+        """Send all of it, now or with the next `flush`. Called by paho."""
+        self.queue(data)
         self.flush()
-        if self._unsent:
-            raise BlockingIOError
-        return self._inner.send(data)
+        return len(data)
 
-    def cork(self) -> None:
-        """Has `send` keep everything, until `flush`."""
-        self._is_corked = True
+    def queue(self, data: bytes) -> None:
+        """Send this with the next `flush`."""
+        self._unsent += data if self._websocket is None else self._websocket.frame(data)
 
     def flush(self) -> None:
-        """Sends what was kept, as much as the network takes."""
-        self._is_corked = False
+        """Send what waits, as much as the network takes."""
         if self._unsent:
             try:
                 del self._unsent[: self._inner.send(self._unsent)]
@@ -146,13 +143,20 @@ class BufferedSocket:
 
     @property
     def has_unsent(self) -> bool:
-        """Whether the network has yet to take some of what was kept."""
+        """Whether the network has yet to take some of what was sent."""
         return bool(self._unsent)
 
-    def do_handshake(self) -> None:
-        """That of TLS, if it is used. Raises what a socket does."""
-        if isinstance(self._inner, ssl.SSLSocket) and self._dial is not None:
-            self._dial.shake_hands(self._inner)
+    @property
+    def is_stuck(self) -> bool:
+        """Whether the other end has stopped reading."""
+        return len(self._unsent) > _MOST_UNSENT_BYTES
+
+    def close(self) -> None:
+        """Close it; first, with TLS, look why the other end has, if nobody has read that yet."""
+        if isinstance(self._inner, ssl.SSLSocket) and not self.is_over:
+            with suppress(ValueError):
+                self.fill(memoryview(bytearray(_READ_BYTES)))
+        self._inner.close()
 
 
 class SocketWrapper:
@@ -161,20 +165,22 @@ class SocketWrapper:
     check_hostname = True
     """Has paho leave that to the context behind this one."""
 
-    def __init__(self, tls: ssl.SSLContext | None, dial: Dial, *, is_framed: bool) -> None:
-        """Takes the context of a secure connection, and what a BufferedSocket takes."""
+    def __init__(
+        self, tls: ssl.SSLContext | None, dial: Dial, websocket: WebSocket | None = None
+    ) -> None:
+        """Take the context of a secure connection, and what a BufferedSocket takes."""
         self._tls = tls
         self._dial = dial
-        self._is_framed = is_framed
+        self._websocket = websocket
         self.made: BufferedSocket | None = None
-        """The socket that paho uses; a WebSocket stands between the two."""
+        """The socket that paho uses."""
 
     def wrap_socket(self, sock: socket.socket, server_hostname: str, **_: Any) -> BufferedSocket:
-        """The socket that paho is to use."""
+        """Return the socket that paho is to use."""
         if self._tls is not None:
             sock = self._tls.wrap_socket(
                 sock, server_hostname=server_hostname, do_handshake_on_connect=False
             )
         sock.settimeout(0.0)
-        self.made = BufferedSocket(sock, self._dial, is_framed=self._is_framed)
+        self.made = BufferedSocket(sock, self._dial, self._websocket)
         return self.made

@@ -79,8 +79,13 @@ class Address:
         return self.scheme in _SECURE
 
     def __str__(self) -> str:
+        return f"{self.scheme}://{self.host if self.scheme == 'unix' else self.place}"
+
+    @property
+    def place(self) -> str:
+        """Host and port, as a URL has them."""
         host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"{self.scheme}://{self.host if self.scheme == 'unix' else f'{host}:{self.port}'}"
+        return f"{host}:{self.port}"
 
     @classmethod
     def parse(cls, text: str) -> "Address":

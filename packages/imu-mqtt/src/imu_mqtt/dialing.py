@@ -9,12 +9,30 @@ from collections.abc import Callable
 from typing import Any
 
 from imu_mqtt.config import Address, MqttConfig
-from rosbase import Clock, DeviceNotFoundError, DevicePermissionError, TransportError
+from rosbase import (
+    Clock,
+    DeviceNotFoundError,
+    DevicePermissionError,
+    TransportError,
+    one_line,
+)
 
-__all__ = ["Dial", "RefusedError", "TlsError", "one_line", "tls_context", "unreachable"]
+__all__ = [
+    "DIAL_TIMEOUT_S",
+    "Dial",
+    "RefusedError",
+    "TlsError",
+    "tls_context",
+    "unreachable",
+    "words_of",
+]
+
+DIAL_TIMEOUT_S = 2.0
+"""How long it may take to reach the broker, TLS and WebSocket included."""
 
 # How soon it is noticed that nobody wants it any more.
 _LOOK_S = 0.05
+_READ_BYTES = 4_096
 # X509_V_ERR_HOSTNAME_MISMATCH, X509_V_ERR_IP_ADDRESS_MISMATCH
 _WRONG_NAME = (62, 64)
 
@@ -70,8 +88,27 @@ class Dial:
         poll.register(sock, events)
         left_s = self._left_s if limit_s is None else min(limit_s, self._left_s)
         deadline_ns = self._clock.monotonic_ns() + int(left_s * 1e9)
+        # First, because who sends a byte at a time can always be read.
+        self._check(deadline_ns)
         while not poll.poll(_LOOK_S * 1000.0):
             self._check(deadline_ns)
+
+    def send(self, sock: socket.socket, data: bytes) -> None:
+        """Send all of it. Raises OSError."""
+        while data:
+            try:
+                data = data[sock.send(data) :]
+            except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                self.wait(sock, select.POLLOUT)
+
+    def receive(self, sock: socket.socket) -> bytes:
+        """Wait for some data; return nothing when the other end has closed it. Raises OSError."""
+        while True:
+            self._check(self._deadline_ns)
+            try:
+                return sock.recv(_READ_BYTES)
+            except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                self.wait(sock, select.POLLIN)
 
     def shake_hands(self, sock: ssl.SSLSocket) -> None:
         """Does TLS's part. Raises OSError."""
@@ -128,7 +165,7 @@ def tls_context(config: MqttConfig) -> ssl.SSLContext | None:
             context.load_cert_chain(config.cert_file, config.key_file or None, password="")
     except (OSError, ValueError) as error:
         advice = "PEM files, the key without a passphrase, and that of the certificate"
-        raise TlsError(f"{named} cannot be used for TLS: {one_line(error)}", advice) from error
+        raise TlsError(f"{named} cannot be used for TLS: {words_of(error)}", advice) from error
     return context
 
 
@@ -138,16 +175,16 @@ def unreachable(address: Address, error: Exception) -> TransportError:
         # A broker that is being restarted does so too, so this is no reason to try less often.
         return TransportError(f"{address} hung up on TLS; if it expects none, say tcp:// or ws://")
     if isinstance(error, ssl.SSLError):
-        return TlsError(f"{address}: TLS fails: {one_line(error)}", _advice_on_tls(error))
+        return TlsError(f"{address}: TLS fails: {words_of(error)}", _advice_on_tls(error))
     if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
         return DeviceNotFoundError(f"there is no broker at {address}")
     if isinstance(error, socket.gaierror):
-        return DeviceNotFoundError(f"{address}: the name is not known: {one_line(error)}")
+        return DeviceNotFoundError(f"{address}: the name is not known: {words_of(error)}")
     if isinstance(error, TimeoutError):
         return DeviceNotFoundError(f"no answer from {address}")
     if address.scheme in ("ws", "wss") and getattr(error, "errno", None) is None:
         return TransportError(f"{address} answers what is no WebSocket for MQTT: {error}")
-    return TransportError(f"{address}: {one_line(error)}")
+    return TransportError(f"{address}: {words_of(error)}")
 
 
 def _advice_on_tls(error: ssl.SSLError) -> str:
@@ -160,7 +197,7 @@ def _advice_on_tls(error: ssl.SSLError) -> str:
     return "is TLS spoken there? if not, say tcp:// or ws://"
 
 
-def one_line(error: Exception) -> str:
-    """What the system, or TLS, says of it."""
+def words_of(error: Exception) -> str:
+    """Return what the system, or TLS, says of an error, in one line."""
     reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
-    return " ".join(str(reason).split())
+    return one_line(str(reason))

@@ -22,6 +22,8 @@ _SLOWER_S = 1.5
 # A connection that lasted so long was no mistake; so many that did not, in a row, are one.
 _PROVED_NS = 5_000_000_000
 _MANY_ENDS = 3
+# More different reasons than these, in a row, are words that the broker makes up.
+_MANY_REASONS = 8
 
 
 class NetworkThread:
@@ -174,6 +176,8 @@ class NetworkThread:
                 topic=message.topic,
                 retained=message.retain,
                 redelivered=message.dup,
+                fault=message.fault,
+                size=message.size,
             )
 
     def _note_connected(self) -> None:
@@ -261,8 +265,11 @@ class NetworkThread:
     def _say(self, reason: str) -> None:
         """Logs why there is no data, once for each reason in a row.
 
-        And no more than a few times until a connection lasts, for reasons may take turns.
+        And no more than a few times until a connection lasts, for reasons may take turns, or be
+        another one each time.
         """
+        if reason not in self._said and len(self._said) >= _MANY_REASONS:
+            reason = f"the connection to {self._config.address} fails for ever new reasons"
         if reason == self._tally.last_error:
             return
         self._tally.last_error = reason

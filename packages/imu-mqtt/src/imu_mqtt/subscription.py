@@ -4,7 +4,7 @@ import threading
 from collections import deque
 
 from imu_mqtt.topic_lock import TopicLock
-from rosbase import OnFrame, Tally, TransportContext, TransportError, hand_over
+from rosbase import OnFrame, Tally, TransportContext, TransportError, hand_over, printable
 
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
 
@@ -14,7 +14,7 @@ MAX_PAYLOAD_BYTES = 65_536
 _REMEMBERED = 100
 _BLANK = b"\0 \t\r\n"
 # What another device sends, or once sent, must not hide that ours is silent.
-_NO_SIGN_OF_LIFE = frozenset({"other_topic", "retained"})
+_NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
 
 
 class Subscription:
@@ -36,6 +36,7 @@ class Subscription:
         self._tally = tally
         self._context = context
         self._lock = TopicLock(context.stale_timeout_s, context.logger) if is_filter else None
+        self._has_named_bad_topic = False
         # Hashes, because a hundred long payloads would be some megabytes.
         self._recent: deque[int] = deque(maxlen=_REMEMBERED)
         # Held while a frame is handed over.
@@ -71,13 +72,31 @@ class Subscription:
         return True
 
     def take(
-        self, payload: bytes, stamp_ns: int, *, topic: str, retained: bool, redelivered: bool
+        self,
+        payload: bytes,
+        stamp_ns: int,
+        *,
+        topic: str,
+        retained: bool,
+        redelivered: bool,
+        fault: str,
+        size: int,
     ) -> None:
-        """Hands a message over, or counts why it is no frame."""
+        """Hand a message over, or count why it is no frame.
+
+        Args:
+            payload: What is in it; empty if it was too long to be kept.
+            stamp_ns: When it could be read.
+            topic: Where it was published.
+            retained: Whether the broker has kept it from an earlier time.
+            redelivered: Whether the broker says that it sends it again.
+            fault: Why it cannot be a frame, if its packet says so already.
+            size: How many bytes the payload had.
+        """
         tally = self._tally
-        tally.received_bytes += len(payload)
+        tally.received_bytes += size
         now_ns = self._context.clock.monotonic_ns()
-        reason = self._refuses(payload, topic, retained, redelivered, now_ns)
+        reason = self._refuses(payload, topic, retained, redelivered, fault, now_ns)
         if reason not in _NO_SIGN_OF_LIFE:
             tally.last_data_ns = now_ns
         if reason:
@@ -93,14 +112,25 @@ class Subscription:
                 self._lock.note_sample(topic, now_ns)
 
     def _refuses(
-        self, payload: bytes, topic: str, retained: bool, redelivered: bool, now_ns: int
+        self,
+        payload: bytes,
+        topic: str,
+        retained: bool,
+        redelivered: bool,
+        fault: str,
+        now_ns: int,
     ) -> str:
         """Why a message is no frame, in one word; empty if it is one."""
+        if fault == "bad_topic":
+            self._name_bad_topic(topic)
+            return fault
         if self._lock is not None and not self._lock.admits(topic, now_ns):
             return "other_topic"
         if retained:
             # It was sent before anybody asked, nobody knows when.
             return "retained"
+        if fault:
+            return fault
         if not payload.strip(_BLANK):
             return "empty"
         if len(payload) > MAX_PAYLOAD_BYTES:
@@ -110,3 +140,10 @@ class Subscription:
             return "duplicate"
         self._recent.append(digest)
         return ""
+
+    def _name_bad_topic(self, topic: str) -> None:
+        """Log one such topic. Whoever may publish can invent as many as they like."""
+        if not self._has_named_bad_topic:
+            self._has_named_bad_topic = True
+            named = printable(topic) or "an empty one"
+            self._context.logger.warning(f"dropping messages to a topic MQTT forbids: {named}")

@@ -1,6 +1,6 @@
 """Which of the topics under a wildcard is read: pure, told the time."""
 
-from rosbase import RosbaseLogger
+from rosbase import RosbaseLogger, printable
 
 __all__ = ["LEAST_TIMEOUT_S", "TopicLock"]
 
@@ -43,7 +43,8 @@ class TopicLock:
         self._says = self._logger.due(f"let go of {held}", _LOG_S)
         if self._says:
             self._logger.warning(
-                f"no sample from {held} for {passed_s:.1f} s: the next topic that gives one is read"
+                f"no sample from {printable(held)} for {passed_s:.1f} s:"
+                " the next topic that gives one is read"
             )
         return True
 
@@ -53,7 +54,7 @@ class TopicLock:
         if self._held is None:
             self._held = topic
             if self._says:
-                self._logger.info(f"reading {topic}")
+                self._logger.info(f"reading {printable(topic)}")
 
     def begin_anew(self, now_ns: int) -> None:
         """Measure the time without a sample from now on: there was no connection before."""

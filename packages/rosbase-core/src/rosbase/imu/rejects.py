@@ -9,6 +9,7 @@ REJECT_LOG_S = 5.0
 
 REASONS: dict[str, str] = {
     **PAYLOAD_REASONS,
+    "bad_topic": "a topic that MQTT does not allow; see how the device names it",
     "duplicate": "delivered once more",
     "empty": "nothing in it",
     "implausible": "gravity is not what it should be at rest; is the unit right?",
