@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from imu_mqtt.config import PASSWORD_VARIABLE
+from imu_mqtt.packets import MOST_PACKET_BYTES
 from rosbase.contracts.transport import TransportState
 from rosbase.errors import DeviceNotFoundError, DevicePermissionError, TransportError
 from support.certificates import Authority
@@ -221,6 +222,12 @@ class Secure:
     more: tuple[str, ...] = ()
 
 
+class SecureWebSocket(Secure):
+    """A broker that speaks MQTT over a WebSocket over TLS."""
+
+    more = ("protocol websockets",)
+
+
 class Asking(Secure):
     """A broker that wants to see certificates, too."""
 
@@ -286,6 +293,26 @@ def test_a_websocket_works(rig: MosquittoRig) -> None:
     wait_until(lambda: transport.health.state is TransportState.RECONNECTING, "the loss")
     broker.start()
     rig.prove(broker)
+
+
+@pytest.mark.parametrize("version", ["3.1.1", "5"])
+def test_a_websocket_over_tls_works_for_messages_of_any_length(
+    rig: MosquittoRig, version: str
+) -> None:
+    secure = SecureWebSocket(rig)
+    wait_until(lambda: can_connect(secure.port), "the secure listener")
+    transport = rig.started(
+        secure.address.replace("mqtts", "wss"),
+        tls_ca_file=str(secure.authority.file),
+        mqtt_version=version,
+        qos=1,
+    )
+    rig.prove(secure.broker)
+    for size in (100, 126, 65_536, MOST_PACKET_BYTES + 1, 100):
+        secure.broker.publish(b"x" * size, "-q", "1")
+    assert [len(rig.next()) for _ in range(4)] == [100, 126, 65_536, 100]
+    # With MQTT 5 the broker is told not to send it.
+    assert transport.health.frame_errors == ({} if version == "5" else {"overlong": 1})
 
 
 def test_a_unix_socket_works(rig: MosquittoRig) -> None:

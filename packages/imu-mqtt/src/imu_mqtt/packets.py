@@ -63,7 +63,7 @@ class Message(NamedTuple):
     """A message that was published."""
 
     topic: str
-    """As it can be shown, if it has a fault."""
+    """With escapes for what is not UTF-8."""
     payload: bytes
     """Empty if the message was too long to be kept."""
     qos: int
@@ -72,7 +72,7 @@ class Message(NamedTuple):
     dup: bool
     """Whether the broker says that it sends it again."""
     size: int
-    """Length of the payload in bytes."""
+    """Length of the payload in bytes; of one that was not kept, with the properties before it."""
     fault: str
     """Why it cannot be a frame, as a word to count by: `overlong`, `bad_topic`, or empty."""
 
@@ -190,16 +190,11 @@ class PacketReader:
         if self._is_5:
             after = self._after_properties(after, stop)
         payload = bytes(self._view[after:stop])
-        return Message(
-            self._topic,
-            payload,
-            kind >> 1 & 3,
-            packet_id,
-            bool(kind & 1),
-            bool(kind & 8),
-            stop - after,
-            self._topic_fault,
-        )
+        return self._made(kind, packet_id, payload, stop - after, self._topic_fault)
+
+    def _made(self, kind: int, packet_id: int, payload: bytes, size: int, fault: str) -> Message:
+        qos, retain, dup = kind >> 1 & 3, bool(kind & 1), bool(kind & 8)
+        return Message(self._topic, payload, qos, packet_id, retain, dup, size, fault)
 
     def _read_header(self, kind: int, body: int, stop: int) -> tuple[int, int]:
         """Note the topic; return where it and the packet id end, and the id."""
@@ -250,16 +245,8 @@ class PacketReader:
         if self._end < body + 2 or self._end < head:
             return None
         after, packet_id = self._read_header(kind, body, stop)
-        self._skipped = Message(
-            self._topic,
-            b"",
-            kind >> 1 & 3,
-            packet_id,
-            bool(kind & 1),
-            bool(kind & 8),
-            stop - after,
-            self._topic_fault or "overlong",
-        )
+        fault = self._topic_fault or "overlong"
+        self._skipped = self._made(kind, packet_id, b"", stop - after, fault)
         self._skip_bytes = stop - self._start
         return self._skip()
 
