@@ -183,7 +183,7 @@ def unreachable(address: Address, error: Exception) -> TransportError:
     if isinstance(error, TimeoutError):
         return DeviceNotFoundError(f"no answer from {address}")
     if address.scheme in ("ws", "wss") and getattr(error, "errno", None) is None:
-        return TransportError(f"{address} answers what is no WebSocket for MQTT: {error}")
+        return TransportError(f"{address} answers what is no WebSocket for MQTT: {words_of(error)}")
     return TransportError(f"{address}: {words_of(error)}")
 
 
