@@ -35,8 +35,9 @@ def test_a_topic_of_any_text_is_named_and_does_nothing_else(topic: str, said: st
     def behave(peer: Peer) -> None:
         peer.accept()
         peer.serve(until=SUBSCRIBE)
-        peer.send(publish_packet(topic.encode(), GOOD_FRAME))
-        peer.serve()
+        while True:
+            peer.send(publish_packet(topic.encode(), GOOD_FRAME))
+            peer.pause(0.02)
 
     with (
         ScriptedBroker(behave) as broker,

@@ -140,13 +140,14 @@ class Kind:
 
 
 def good(kind: Kind) -> Behaviour:
-    """What a good broker does with the same client: it has a sample for it."""
+    """What a good broker does with the same client: it has samples for it."""
 
     def behave(peer: Peer) -> None:
         wire = Wire(peer, kind)
         wire.subscribed()
-        wire.send(wire.publish(frame()))
-        wire.serve()
+        while True:
+            wire.send(wire.publish(frame()))
+            peer.pause(0.02)
 
     return behave
 
