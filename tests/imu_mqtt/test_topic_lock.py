@@ -43,7 +43,9 @@ class Rig:
         """A message of that topic; whether it was handed over."""
         self.clock.advance(after_s)
         before = len(self.subscriber.frames)
-        self.subscription.take(payload, 7, topic=topic, retained=False, redelivered=False)
+        self.subscription.take(
+            payload, 7, topic=topic, retained=False, redelivered=False, fault="", size=len(payload)
+        )
         return len(self.subscriber.frames) > before
 
 
