@@ -3,79 +3,146 @@
 import re
 from collections.abc import Iterator
 
+from rosbase.processes.budget import LineBudget
 from rosbase.text.printable import log_line
 
 __all__ = ["OutputLines"]
 
-_NS_PER_S = 1_000_000_000
+_BEGUN_NS = 1_000_000_000
+_LAST_WORDS_BYTES = 8192
 _COLOUR = re.compile(r"\x1b\[[0-9;:]*m")
+# Movements of the cursor, titles of windows and the like, as ECMA-48 and xterm have them.
+_FOR_A_SCREEN = re.compile(
+    r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)|[()][0-2A-Z]|[=>78cDEHMNOZ])"
+)
 
 
 class OutputLines:
     """Cuts output into lines, and keeps the log readable.
 
-    A line that is too long is cut, and one that is too many in a second is left out; both are
-    said. Colours are left out, and whatever else cannot be printed, such as what clears a screen,
-    moves the cursor or sets a title, is shown as escapes; so are bytes that are not UTF-8.
+    A carriage return ends a line too, and a line that has been begun is shown after a second, since
+    nobody knows whether it will be continued. A line that is too long is cut, and one that is too
+    many in a second is left out; both are said. The last of the lines that were left out are kept,
+    for a child that crashes. Colours are left out, and whatever else cannot be printed, such as
+    what clears a screen, moves the cursor or sets a title, is shown as escapes; so are bytes that
+    are not UTF-8.
     """
 
     __slots__ = (
+        "_after_return",
+        "_begun_ns",
+        "_budget",
         "_cut_bytes",
-        "_left_out",
-        "_lines_left",
+        "_for_a_screen",
         "_max_bytes",
         "_partial",
-        "_per_s",
-        "_until",
+        "_tail",
     )
 
-    def __init__(self, max_line_bytes: int = 4096, max_lines_per_s: int = 500) -> None:
-        """Starts empty, with the limits in bytes to a line and lines to a second."""
+    def __init__(
+        self,
+        max_line_bytes: int = 4096,
+        max_lines_per_s: int = 500,
+        *,
+        for_a_screen: bool = False,
+    ) -> None:
+        """Start empty.
+
+        Args:
+            max_line_bytes: Bytes of a line that are shown.
+            max_lines_per_s: Lines that are shown in a second.
+            for_a_screen: Whether the child thinks that it writes to a terminal. What is meant for
+                a screen is then left out like colours.
+        """
         self._max_bytes = max_line_bytes
-        self._per_s = max_lines_per_s
+        self._budget = LineBudget(max_lines_per_s)
+        self._for_a_screen = for_a_screen
         self._partial = b""
+        self._begun_ns = 0
         self._cut_bytes = 0
-        self._lines_left = max_lines_per_s
-        self._left_out = 0
-        self._until = 0
+        self._after_return = False
+        self._tail = b""
+
+    @property
+    def due_ns(self) -> int | None:
+        """When `tick` has something to give if nothing comes before, on the monotonic clock."""
+        budget = self._budget
+        if self._partial:
+            begun_ns = self._begun_ns + _BEGUN_NS
+            return begun_ns if budget.left else max(begun_ns, budget.until_ns)
+        return budget.until_ns if budget.left_out else None
 
     def feed(self, data: bytes, now_ns: int) -> Iterator[str]:
-        """Takes what was read at `now_ns` (monotonic) and gives the lines to log, in order."""
-        if now_ns >= self._until:
-            yield from self._begin_second(now_ns)
+        """Take what was read at `now_ns` (monotonic) and give the lines to log, in order."""
+        yield from self._renew(now_ns)
+        data = self._with_plain_ends(data)
         begin = 0
         while (end := data.find(b"\n", begin)) >= 0:
-            if not self._lines_left:
-                # Counting is fast enough for a flood; cutting it up is not.
-                self._left_out += data.count(b"\n", begin)
-                begin = data.rfind(b"\n") + 1
-                self._partial, self._cut_bytes = b"", 0
+            if not self._budget.left:
+                begin = self._leave_out(data, begin)
                 break
             yield from self._line(data[begin:end])
             begin = end + 1
+        if not self._partial:
+            self._begun_ns = now_ns
         self._keep(data[begin:])
 
-    def finish(self) -> Iterator[str]:
-        """The line that was begun, and what was left out, when the output has ended."""
-        if self._partial:
-            self._lines_left = max(1, self._lines_left)
+    def tick(self, now_ns: int) -> Iterator[str]:
+        """Give what has waited for long enough: a line that was begun, a count of others."""
+        yield from self._renew(now_ns)
+        if self._partial and self._budget.left and now_ns >= self._begun_ns + _BEGUN_NS:
             yield from self._line(b"")
-        yield from self._begin_second(0)
 
-    def _begin_second(self, now_ns: int) -> Iterator[str]:
-        self._until = now_ns + _NS_PER_S
-        self._lines_left = self._per_s
-        if self._left_out:
-            yield f"... {self._left_out} more lines"
-            self._left_out = 0
+    def finish(self, *, last_words: bool = False) -> Iterator[str]:
+        """Give the line that was begun, and what was left out, when the output has ended.
+
+        Args:
+            last_words: Whether to give the last of the lines that were left out as well.
+        """
+        kept = self._tail.splitlines() if last_words else []
+        if len(self._tail) >= _LAST_WORDS_BYTES:
+            # Its beginning is missing.
+            del kept[:1]
+        self._budget.left_out = max(0, self._budget.left_out - len(kept))
+        yield from filter(None, [self._budget.settle()])
+        begun, self._partial = self._partial, b""
+        cut_bytes, self._cut_bytes = self._cut_bytes, 0
+        for line in kept:
+            yield from self._line(line)
+        self._cut_bytes = cut_bytes
+        yield from self._line(begun)
+
+    def _renew(self, now_ns: int) -> Iterator[str]:
+        yield from filter(None, [self._budget.renew(now_ns)])
+
+    def _with_plain_ends(self, data: bytes) -> bytes:
+        r"""Have all lines end in `\n`, also where `\r\n` came in two parts."""
+        if self._after_return and data[:1] == b"\n":
+            data = data[1:]
+            self._after_return = False
+        if data:
+            self._after_return = data[-1:] == b"\r"
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        return data
+
+    def _leave_out(self, data: bytes, begin: int) -> int:
+        """Count the lines from there on; return where the last one ends."""
+        # Counting is fast enough for a flood; cutting it up is not.
+        end = data.rfind(b"\n") + 1
+        self._budget.left_out += data.count(b"\n", begin)
+        self._tail = (self._tail + self._partial + data[begin:end])[-_LAST_WORDS_BYTES:]
+        self._partial, self._cut_bytes = b"", 0
+        return end
 
     def _line(self, end: bytes) -> Iterator[str]:
         self._keep(end)
-        text = _plain(self._partial.rstrip(b"\r").decode("utf-8", "backslashreplace"))
+        text = self._plain(self._partial.decode("utf-8", "backslashreplace"))
         if self._cut_bytes:
             text += f" ... {self._cut_bytes} more bytes"
         self._partial, self._cut_bytes = b"", 0
-        self._lines_left -= 1
+        self._budget.left -= 1
+        self._tail = b""
         if text:
             yield text
 
@@ -84,6 +151,7 @@ class OutputLines:
         self._partial += piece[:room]
         self._cut_bytes += max(0, len(piece) - room)
 
-
-def _plain(line: str) -> str:
-    return log_line(_COLOUR.sub("", line))
+    def _plain(self, line: str) -> str:
+        if "\x1b" in line:
+            line = (_FOR_A_SCREEN if self._for_a_screen else _COLOUR).sub("", line)
+        return log_line(line)
