@@ -319,3 +319,78 @@ def test_records_are_bounded_while_the_other_side_is_slow() -> None:
     assert texts[0].startswith("0 x")
     assert any("more records" in text for text in texts)
     assert len(texts) < 5000
+
+
+def test_what_cannot_be_read_is_reported_and_the_next_message_is_taken(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    ends = socket.socketpair()
+    here = Side(ends[0], "here")
+    here.link.start()
+    there: Connection[Any, Any] = Connection(ends[1].detach())
+    there.send_bytes(b"junk")
+    there.send(("record", 20, "fine"))
+    wait_until(lambda: here.records == [(20, "fine")], "the record")
+    assert "here: what it sends cannot be read: UnpicklingError" in caplog.text
+    there.close()
+    here.link.close()
+    here.backend.close()
+
+
+@pytest.mark.parametrize(
+    ("junk", "why"),
+    [
+        (b"\x00\x00\x00\x01x", "what it sends cannot be read: UnpicklingError"),
+        (b"\x7f\xff\xff\xff", "it announces a message of more than 268435456 bytes"),
+    ],
+)
+def test_whoever_asks_is_told_what_cannot_be_read_and_nothing_more_is_taken(
+    junk: bytes, why: str
+) -> None:
+    ends = socket.socketpair()
+    faults: list[str] = []
+    records: list[str] = []
+    connection: Connection[Any, Any] = Connection(ends[0].detach())
+    link = Link(Bus(), connection, "here", lambda _, text: records.append(text), faults.append)
+    link.start()
+    with ends[1]:
+        ends[1].sendall(junk)
+        wait_until(lambda: faults, "the reason")
+        there: Connection[Any, Any] = Connection(ends[1].detach())
+        there.send(("record", 20, "late"))
+        link.close()
+        there.close()
+    assert [fault.startswith(why) for fault in faults] == [True]
+    assert not records
+
+
+def test_a_message_that_is_too_large_is_reported_and_the_rest_goes_on(
+    sides: tuple[Side, Side], caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rosbase.local.link._MOST_BYTES", 10_000)
+    here, there = sides
+    here.link.send_record(20, "x" * 20_000)
+    here.link.send_record(20, "fine")
+    wait_until(lambda: there.records == [(20, "fine")], "the record")
+    assert "here: cannot send a message of 20" in caplog.text
+
+
+def test_errors_have_room_when_others_are_left_out() -> None:
+    ends = socket.socketpair()
+    here = Side(ends[0], "here")
+    here.link.start()
+    there: Connection[Any, Any] = Connection(ends[1].detach())
+    for _ in range(5000):
+        here.link.send_record(20, "x" * 500)
+    here.link.send_record(40, "bad end")
+    thread = threading.Thread(target=here.link.close)
+    thread.start()
+    texts: list[str] = []
+    try:
+        while True:
+            texts.append(there.recv()[2])
+    except EOFError:
+        thread.join()
+    there.close()
+    here.backend.close()
+    assert texts[-1].startswith("bad end")

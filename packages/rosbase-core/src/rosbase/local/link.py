@@ -2,9 +2,12 @@
 
 Each side tells the other what it subscribes to, and sends only that. Both ends are the same.
 Whether a subscription matches, and what is kept for it, is decided where the publisher is.
-What arrives is unpickled, so a link is for processes that trust each other completely.
+What arrives is unpickled, and unpickling may run any code, so a link is for processes that trust
+each other completely: a program and its own children. What cannot be read ends the link. That
+protects against a mistake, such as a write to the wrong descriptor, and not against an attack.
 """
 
+import logging
 import os
 import pickle
 import socket
@@ -12,6 +15,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from multiprocessing.connection import Connection
+from types import NoneType
 from typing import Any
 
 from rosbase.clock import SystemClock
@@ -27,6 +31,8 @@ _FOR_EVER_NS = 1 << 62
 _PATIENCE_S = 0.5
 _REPORT_S = 5.0
 _MANY_RECORDS = 1000
+_MOST_BYTES = 1 << 28
+"""The largest message that a link takes; 256 MiB."""
 
 
 class Link:
@@ -43,19 +49,24 @@ class Link:
         connection: "Connection[Any, Any]",
         name: str,
         on_record: Callable[[int, str], object] | None = None,
+        on_fault: Callable[[str], object] | None = None,
     ) -> None:
-        """Takes this process's end of a connection; `start` makes it a link.
+        """Take this process's end of a connection; `start` makes it a link.
 
         Args:
             bus: The topics to share.
             connection: To the other process. The link closes it.
             name: How the log calls the other process.
             on_record: Called with level and text of what `send_record` sends there.
+            on_fault: Called with the reason when something comes that cannot be read. The link
+                receives nothing any more then. If not given, the reason is logged, and what
+                comes next is received.
         """
         self._bus = bus
         self._connection = connection
         self._name = name
         self._on_record = on_record
+        self._on_fault = on_fault
         self._logger = RosbaseLogger("link")
         self._executor = Executor(SystemClock())
         self._ending = False
@@ -64,6 +75,12 @@ class Link:
         self._records_left_out = 0
         self._wanted_there: dict[tuple[str, Channel], LocalSubscription] = {}
         self._wanted_here: dict[tuple[str, Channel], QoSProfile] = {}
+        # What the other end may say: what is done then, and with values of which types.
+        self._kinds: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {
+            "message": (self._take_message, (str, (str, int), object)),
+            "record": (self._take_record, (int, str)),
+            "want": (self._take_want, (str, type, (str, int), (QoSProfile, NoneType))),
+        }
         self._sender = self._thread("send", self._send_all)
         self._receiver = self._thread("receive", self._receive_all)
 
@@ -90,10 +107,12 @@ class Link:
     def send_record(self, level: int, text: str) -> None:
         """Has the other end log a text, at a level of the standard library's `logging`.
 
-        While it is slower than whoever logs, the newest records are left out, and counted.
+        While it is slower than whoever logs, the newest records are left out, and counted; there
+        is room for as many errors again.
         """
+        room = _MANY_RECORDS if level < logging.ERROR else 2 * _MANY_RECORDS
         with self._record_lock:
-            if self._records_waiting >= _MANY_RECORDS:
+            if self._records_waiting >= room:
                 self._records_left_out += 1
                 return
             self._records_waiting += 1
@@ -138,11 +157,14 @@ class Link:
         try:
             data = pickle.dumps(values, pickle.HIGHEST_PROTOCOL)
         except Exception as error:
-            self._report(f"cannot send {values[0]} {values[1]}", error)
+            self._report(f"cannot send {values[0]} {values[1]}: {_text(error)}")
             return
         self._send_bytes(data)
 
     def _send_bytes(self, data: bytes) -> None:
+        if len(data) > _MOST_BYTES:
+            self._report(f"cannot send a message of {len(data)} bytes: the most is {_MOST_BYTES}")
+            return
         try:
             self._connection.send_bytes(data)
         except OSError:
@@ -158,16 +180,37 @@ class Link:
     # On the receiving thread.
 
     def _receive_all(self) -> None:
-        while True:
-            try:
-                data = self._connection.recv_bytes()
-            except (EOFError, OSError):
-                return
-            try:
-                what, *values = pickle.loads(data)
-                getattr(self, f"_take_{what}")(*values)
-            except Exception as error:
-                self._report("cannot take what it sends", error)
+        try:
+            while self._take(self._connection.recv_bytes(_MOST_BYTES)):
+                pass
+        except (EOFError, OSError):
+            # The other end is gone, and whoever started it says so; or its bytes are no message.
+            if not self._connection.closed and not self._connection.readable:
+                self._unreadable(f"it announces a message of more than {_MOST_BYTES} bytes")
+
+    def _take(self, data: bytes) -> bool:
+        """Do what a message says; false if nothing more is to be received."""
+        try:
+            what, *values = pickle.loads(data)
+            take, kinds = self._kinds[what]
+            if len(values) != len(kinds) or not all(map(isinstance, values, kinds)):
+                raise TypeError(f"'{what}' with {', '.join(type(v).__name__ for v in values)}")
+        except (Exception, SystemExit) as error:
+            return self._unreadable(f"what it sends cannot be read: {_text(error)}")
+        try:
+            take(*values)
+        except Exception as error:
+            # Such as a topic that has another type here.
+            self._report(f"cannot take what it sends: {_text(error)}")
+        return True
+
+    def _unreadable(self, why: str) -> bool:
+        """Say so; true if the next message may be better."""
+        if self._on_fault is None:
+            self._report(why)
+            return True
+        self._on_fault(why)
+        return False
 
     def _take_message(self, topic: str, channel: Channel, message: Any) -> None:
         self._bus.deliver_from(self, topic, channel, message)
@@ -190,9 +233,12 @@ class Link:
             self._bus.add_subscription(wanted, msg_type)
             self._wanted_there[topic, channel] = wanted
 
-    def _report(self, what: str, error: Exception) -> None:
-        message = f"{self._name}: {what}: {type(error).__name__}: {error}"
-        self._logger.log_throttle(message, _REPORT_S, "ERROR")
+    def _report(self, why: str) -> None:
+        self._logger.log_throttle(f"{self._name}: {why}", _REPORT_S, "ERROR")
+
+
+def _text(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
 
 
 def _shut(end: socket.socket, how: int = socket.SHUT_RDWR) -> None:
