@@ -8,7 +8,6 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,7 +15,7 @@ from rosbase import RestartPolicy, register_multiprocess_nodes, shutdown_multipr
 from rosbase.logger import RosbaseLogger
 from rosbase.processes import guardian
 from rosbase.processes.child import ChildProcess
-from rosbase.processes.launch import CommandLaunch, Launch, Launched
+from rosbase.processes.launch import CommandLaunch, Launch, Launched, Order
 from rosbase.processes.supervisor import Supervisor
 from support.program import running
 from support.waiting import wait_until
@@ -43,11 +42,11 @@ def test_a_child_that_cannot_be_started_again_does_not_harm_the_others(
         def __init__(self) -> None:
             self.starts = 0
 
-        def start(self, on_record: Any) -> Launched:
+        def start(self, order: Order) -> Launched:
             self.starts += 1
             if self.starts > 1:
                 raise RuntimeError("gone")
-            return CommandLaunch("exit 1").start(on_record)
+            return CommandLaunch("exit 1").start(order)
 
     policy = RestartPolicy("always", limit=3, first_delay_s=0.01)
     once = ChildProcess("once", OnlyOnce(), policy)

@@ -2,7 +2,6 @@
 
 import resource
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,7 +19,7 @@ from rosbase import (
 )
 from rosbase.errors import ConfigurationError
 from rosbase.processes import ChildProcesses
-from rosbase.processes.guardian import members_of_session
+from support.processes import members_of_session
 from support.waiting import wait_until
 
 Register = Callable[..., ChildProcesses]
@@ -218,12 +217,16 @@ def test_when_a_guardian_is_killed_all_of_its_command_is(
 
 
 def test_the_managers_logger_takes_over(
-    register: Register, caplog: pytest.LogCaptureFixture
+    register: Register, caplog: pytest.LogCaptureFixture, tmp_path: Path
 ) -> None:
-    processes = register({}, {"x": "sleep 0.2; echo late; sleep 1000"})
+    gate = tmp_path / "gate"
+    processes = register(
+        {}, {"x": f"until test -e {gate}; do sleep 0.01; done; echo late; sleep 1000"}
+    )
 
     class Handlers(BaseHandlers):
         def handle(self) -> None:
+            gate.touch()
             if "x: late" in caplog.messages:
                 self.manager.request_stop()
 
@@ -271,6 +274,6 @@ def test_no_children_at_all_are_fine() -> None:
 def test_a_python_that_cannot_be_started_is_an_error_and_leaves_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(sys, "executable", "/no/such/python")
+    monkeypatch.setattr("multiprocessing.spawn._python_exe", b"/no/such/python")
     with pytest.raises(FileNotFoundError):
         register_multiprocess_nodes({}, {"x": "true"})

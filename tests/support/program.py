@@ -6,9 +6,10 @@ import subprocess
 import sys
 import textwrap
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from support.waiting import wait_until
 
@@ -18,14 +19,33 @@ _MARK = "ROSBASE_TEST_PROGRAM"
 class Program:
     """A running program. Whatever it starts inherits a mark, by which it is found."""
 
-    def __init__(self, folder: Path, source: str, *arguments: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        source: str,
+        *arguments: str,
+        options: Sequence[str] = (),
+        cwd: Path | None = None,
+        env: Mapping[str, str] | None = None,
+    ) -> None:
+        """Starts it from a file in the folder.
+
+        Args:
+            folder: Where the file `program.py` is written.
+            source: What is in it.
+            arguments: What it is given.
+            options: Those of Python; `-m` at their end has it run as a module.
+            cwd: Where it runs.
+            env: What is added to its environment.
+        """
         file = folder / "program.py"
         file.write_text(textwrap.dedent(source))
+        name = "program" if options[-1:] == ["-m"] else str(file)
         self.mark = f"{_MARK}={uuid.uuid4().hex}"
-        name, value = self.mark.split("=")
         self.process = subprocess.Popen(
-            [sys.executable, "-W", "error", str(file), *arguments],
-            env=os.environ | {name: value},
+            [sys.executable, "-W", "error", *options, name, *arguments],
+            env={**os.environ, _MARK: self.mark.split("=")[1], **(env or {})},
+            cwd=cwd,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -64,9 +84,9 @@ def _read(file: Path) -> bytes:
 
 
 @contextmanager
-def running(folder: Path, source: str, *arguments: str) -> Iterator[Program]:
+def running(folder: Path, source: str, *arguments: str, **options: Any) -> Iterator[Program]:
     """Runs the program, and leaves nothing of it behind, whatever the test does."""
-    program = Program(folder, source, *arguments)
+    program = Program(folder, source, *arguments, **options)
     try:
         yield program
     finally:

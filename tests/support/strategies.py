@@ -27,6 +27,7 @@ from rosbase.messages import (
     Twist,
     Vector3,
 )
+from rosbase.processes.mark import Mark
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
 answers = st.sampled_from(CallbackReturn)
@@ -215,4 +216,14 @@ qos_steps: st.SearchStrategy[list[QosStep]] = st.lists(
 # not to stand in a message by chance.
 mqtt_secrets = st.text(
     st.characters(codec="utf-8", exclude_categories=["Cc", "Zs"]), min_size=8, max_size=20
+)
+
+_numbers = st.integers(0, 2**31)
+
+child_marks = st.builds(
+    Mark,
+    label=st.integers(1 << 60, (1 << 61) - 1),
+    manager=st.tuples(_numbers, _numbers),
+    program=st.integers(0, 2**32 - 1).map("{:08x}".format),
+    name=st.text(st.characters(codec="utf-8")),
 )

@@ -126,6 +126,7 @@ class BaseManager:
         self._handshake_timeout_s = handshake_timeout
         self._log_freq = log_freq
         self._frequency_mark: tuple[int, int] | None = None
+        self._processes: ChildProcesses | None = None
         self._stop_requests: list[bool] = []
         # Asked twice in each tick, so it is not a function in Python.
         self._is_stopping = self._stop_requests.__len__
@@ -190,6 +191,8 @@ class BaseManager:
     def request_stop(self) -> None:
         """Ends the main loop after the present tick. From any thread, and signal handlers."""
         self._stop_requests.append(True)
+        if self._processes is not None:
+            self._processes.stopping_soon()
         self.backend.call_soon(_nothing)
 
     def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
@@ -204,6 +207,7 @@ class BaseManager:
         Raises:
             HandshakeTimeoutError: The rules that it names did not come true in time.
             RuntimeError: It has run already, or is running.
+            SystemExit: A required child has ended with this status, which is not 0.
             TypeError: `processes` is something else.
         """
         if self._has_started:
@@ -233,6 +237,8 @@ class BaseManager:
             failure = self._shut_down(processes)
             if failure is not None:
                 raise failure
+            if self._processes is not None and self._processes.exit_status:
+                raise SystemExit(self._processes.exit_status)
 
     def start_main_loop(self, processes: ChildProcesses | None = None) -> None:
         """The older name of `start_main_loop_timer`."""
@@ -251,7 +257,11 @@ class BaseManager:
 
     def _claim(self, processes: ChildProcesses | None) -> None:
         if isinstance(processes, ChildProcesses):
-            processes.claim(self.logger)
+            self._processes = processes
+            processes.claim(self.logger, self.request_stop)
+            if self._stop_requests:
+                # Asked for before it was known whom else this concerns.
+                processes.stopping_soon()
         elif processes:
             raise TypeError(f"{processes!r} is not what register_multiprocess_nodes gave")
 
@@ -299,6 +309,8 @@ class BaseManager:
             self._frequency_mark = (now_ns, ticks)
 
     def _shut_down(self, processes: ChildProcesses | None) -> BaseException | None:
+        if self._processes is not None:
+            self._processes.stopping_soon()
         return run_steps(
             [
                 ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes())),

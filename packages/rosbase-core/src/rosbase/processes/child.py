@@ -4,20 +4,30 @@ import os
 import signal
 import subprocess
 
-from rosbase.processes.guardian import members_of_session
+from rosbase.clock import Clock
+from rosbase.processes.adoption import end_family
 from rosbase.processes.launch import Launch, Launched
+from rosbase.processes.mark import Mark
 from rosbase.processes.output import OutputLines
+from rosbase.processes.records import RecordLines
 from rosbase.processes.restart import RestartPolicy, Restarts
+from rosbase.processes.tracebacks import Tracebacks
 
 __all__ = ["ChildProcess", "Life", "describe_end"]
 
 _GUARDIAN_PATIENCE_S = 1.0
+# By number: this module is imported where there is no SIGHUP.
+_STOP_SIGNALS = (1, signal.SIGINT, signal.SIGTERM)
+_STOP_CODES = {-number for number in _STOP_SIGNALS} | {128 + number for number in _STOP_SIGNALS}
+_CANNOT_BE_STARTED = 126
 
 
 class ChildProcess:
     """A child by its name; what is known of it is kept up to date by its supervisor."""
 
-    def __init__(self, name: str, launch: Launch, policy: RestartPolicy) -> None:
+    def __init__(
+        self, name: str, launch: Launch, policy: RestartPolicy, *, is_required: bool = False
+    ) -> None:
         self.name = name
         self.pid: int | None = None
         """The process of the command or node; its shell may have left others behind."""
@@ -25,6 +35,8 @@ class ChildProcess:
         """Whether anything of it runs."""
         self.exit_code: int | None = None
         """How it ended the last time: a status, or less than 0 for a signal of that number."""
+        self.is_required = is_required
+        """Whether the program ends when it ends for good."""
         self.restarts = Restarts(policy)
         self.launch = launch
 
@@ -40,20 +52,39 @@ class Life:
     Everything here happens on the supervisor's thread.
     """
 
-    def __init__(self, child: ChildProcess, launched: Launched, now_ns: int) -> None:
+    def __init__(
+        self,
+        child: ChildProcess,
+        launched: Launched,
+        mark: Mark,
+        records: RecordLines,
+        clock: Clock,
+    ) -> None:
         self.child = child
-        self.started_ns = now_ns
+        self.mark = mark
+        self.started_ns = clock.monotonic_ns()
         self.control = launched.control
         self.output = launched.output
         self.ended_fd = _watch(launched.guardian.pid)
         """Readable once the guardian has ended; -1 where the system has no such thing."""
-        self.lines = OutputLines()
+        self.lines = OutputLines(for_a_screen=child.launch.on_a_terminal)
+        self.records = records
+        self.tracebacks = Tracebacks()
+        self.fault = ""
+        """Why it was stopped although nobody asked for the end of the program."""
+        self.why_not_started = ""
+        """Why nothing of it ever ran."""
+        self.was_told = False
+        """Whether somebody else has asked its guardian to stop it."""
         self.was_killed = False
         """Whether it did not end before SIGKILL."""
+        self.has_lost_guardian = False
+        """Whether its guardian did not see it to its end."""
         self.left = ""
         """Process numbers that not even SIGKILL ended."""
-        self.is_reported = False
-        """Whether its end has been written into the log."""
+        self.is_reported = self.is_settled = False
+        """Whether its end has been written into the log, and what its end took."""
+        self._clock = clock
         self._guardian = launched.guardian
         self._link = launched.link
         self._said = b""
@@ -62,16 +93,33 @@ class Life:
         self._other_code = 0
         child.is_alive, child.pid, child.exit_code = True, None, None
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether it ended badly."""
+        return self.child.exit_code != 0 or bool(self.fault)
+
+    @property
+    def may_be_a_stop(self) -> bool:
+        """Whether it looks as if somebody has stopped it, perhaps together with the manager."""
+        code = self.child.exit_code
+        # Who is asked to stop may do so in order.
+        return not self.fault and (self.was_told or code in _STOP_CODES or code == 0)
+
     def ask_to_stop(self) -> None:
-        """Has the guardian stop it."""
+        """Have the guardian stop it."""
         try:
             self.control.send(b"s")
         except OSError:
             # It has ended; its last words are on their way.
             pass
+        self.wake()
+
+    def wake(self) -> None:
+        """Have the guardian go on if somebody has stopped it with SIGSTOP."""
+        self._guardian.send_signal(signal.SIGCONT)
 
     def hear(self) -> bool:
-        """Takes in what the guardian says; false when it has said everything."""
+        """Take in what the guardian says; false when it has said everything."""
         try:
             data = self.control.recv(4096)
         except BlockingIOError:
@@ -85,36 +133,39 @@ class Life:
         return bool(data)
 
     def finish(self) -> None:
-        """Sees the guardian off, and gives everything back."""
+        """See the guardian off, and end whatever it has left behind."""
         self.control.close()
-        for fd in (self.output, self.ended_fd):
-            if fd >= 0:
-                os.close(fd)
+        if self.ended_fd >= 0:
+            os.close(self.ended_fd)
         try:
-            has_failed = self._guardian.wait(_GUARDIAN_PATIENCE_S) != 0
+            self.has_lost_guardian = self._guardian.wait(_GUARDIAN_PATIENCE_S) != 0
         except subprocess.TimeoutExpired:
-            has_failed = True
-        if has_failed:
+            self.has_lost_guardian = True
+        if self.has_lost_guardian:
             self.kill()
+        failed = -signal.SIGKILL if self.has_lost_guardian else 0
+        self.child.exit_code = self._code() or failed
+
+    def close(self) -> None:
+        """Give the rest back; after this nothing more comes from it."""
+        os.close(self.output)
         if self._link is not None:
             self._link.close()
-        self.child.exit_code = self._code() or (-signal.SIGKILL if has_failed else 0)
         self.child.is_alive = False
 
     def kill(self) -> None:
-        """Ends the guardian and the session of the command by force."""
+        """End the guardian and whatever descends from it by force."""
         self._guardian.kill()
         self._guardian.wait()
-        for pid in members_of_session(self.child.pid) if self.child.pid else ():
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except OSError:
-                # It has ended meanwhile.
-                pass
+        left = end_family(self.mark, self._clock)
+        self.left = ", ".join(map(str, left))
 
     def _take(self, what: str, values: list[str]) -> None:
         if what == "started":
             self.child.pid = int(values[0])
+        elif what == "failed":
+            self.why_not_started = " ".join(values)
+            self._own_code = _CANNOT_BE_STARTED
         elif what == "ended":
             pid, code = int(values[0]), int(values[1])
             if pid != self.child.pid:
@@ -126,6 +177,8 @@ class Life:
             if code:
                 # The guardian clears away what it leaves behind; that takes a moment.
                 self.child.exit_code = code
+        elif what == "told":
+            self.was_told = True
         elif what == "killed":
             self.was_killed = True
         elif what == "left":
@@ -145,7 +198,7 @@ def _watch(pid: int) -> int:
 
 
 def describe_end(code: int) -> str:
-    """An exit code as a sentence about the child."""
+    """Describe an exit code as a sentence about the child."""
     if code >= 0:
         return f"ended with status {code}"
     try:

@@ -8,8 +8,14 @@ left the group. So the guardian adopts whatever descends from its command (on Li
 PR_SET_CHILD_SUBREAPER in prctl(2)) and ends only when nothing of it is left.
 
 It stops the command when the manager says so, and at once when the manager is gone. To the
-manager it says, in lines: `started PID`, `ended PID CODE` (negative: that signal), `killed`,
-and `left PID ...` for processes that even SIGKILL did not end.
+manager it says, in lines: `started PID`, `failed WHY` if it cannot be started, `ended PID CODE`
+(negative: that signal), `told NUMBER` when a signal has asked the guardian itself to stop,
+`killed`, and `left PID ...` for processes that even SIGKILL did not end.
+
+The guardian may be killed too. So that the manager can tell what it leaves behind, it takes the
+label of the mark in its environment (see `mark.py`) as its limit of file locks. Linux enforces no
+such limit, but every descendant inherits it, and neither a cleaned environment, nor another
+session, nor another name takes it away.
 """
 
 import ctypes
@@ -19,6 +25,9 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+
+if sys.platform == "linux":
+    import resource
 
 # By number: this module is imported, though not used, where there is no such signal.
 SIGKILL = 9
@@ -33,6 +42,9 @@ PATIENCE_S = sum(seconds for _, seconds in LADDER)
 _KILL_AGAIN_S = 0.05
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _IS_LINUX = sys.platform == "linux"
+_RLIMIT_LOCKS = 10
+MARK_VARIABLE = "ROSBASE_CHILD_MARK"
+"""The environment variable by which the descendants of a manager are known; see `mark.py`."""
 
 
 class Guardian:
@@ -58,8 +70,12 @@ class Guardian:
             self._poll.register(fd, select.POLLIN)
 
     def run(self, argv: list[str], link: int) -> None:
-        """Starts the command and returns when nothing is left of it."""
-        self._command = _start(argv, holds_signals=link >= 0)
+        """Start the command and return when nothing is left of it."""
+        try:
+            self._command = _start(argv, holds_signals=link >= 0)
+        except OSError as error:
+            self._say(f"failed {error.strerror}")
+            return
         if link >= 0:
             # The other end is to notice when the node closes it.
             os.close(link)
@@ -68,7 +84,8 @@ class Guardian:
             self._climb()
             for fd, _ in self._poll.poll(self._patience_ms()):
                 if fd == self._signals:
-                    if set(os.read(fd, 512)) - {signal.SIGCHLD}:
+                    for number in set(os.read(fd, 512)) & _stops():
+                        self._say(f"told {number}")
                         self._stop(LADDER)
                 elif fd == self._control and _read(fd):
                     self._stop(LADDER)
@@ -172,6 +189,20 @@ def _stops() -> set[int]:
     return {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
+def _label() -> None:
+    """Have this process, and whatever descends from it, carry the label of the mark."""
+    mark = os.environ.get(MARK_VARIABLE)
+    if not mark or sys.platform != "linux":
+        return
+    label = int(mark.split()[-1].partition(".")[0], 16)
+    try:
+        hard = resource.getrlimit(_RLIMIT_LOCKS)[1]
+        resource.setrlimit(_RLIMIT_LOCKS, (label, hard))
+    except (OSError, ValueError):
+        # Somebody has set a lower limit; the environment has to do.
+        pass
+
+
 def _prctl(option: int, value: int) -> None:
     if _IS_LINUX:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
@@ -208,22 +239,23 @@ def _descendants() -> list[int]:
     return sorted(family - {os.getpid()})
 
 
-def members_of_session(leader: int) -> list[int]:
-    """Everybody in the session of that process who has not ended; none but on Linux."""
-    return [pid for pid, fields in _all_processes().items() if int(fields[3]) == leader]
-
-
 def _all_processes() -> dict[int, list[bytes]]:
     found = {}
     for name in os.listdir("/proc") if _IS_LINUX else ():
-        fields = _stat(name) if name.isdigit() else None
-        if fields is not None and fields[0] not in (b"Z", b"X"):
+        fields = stat_of(name) if name.isdigit() else None
+        if fields is not None and not has_ended(fields):
             found[int(name)] = fields
     return found
 
 
-def _stat(pid: str | int) -> list[bytes] | None:
-    """State, parent, group, session, ... of a process, from proc(5)."""
+def has_ended(fields: list[bytes]) -> bool:
+    """Whether nothing of a process runs, by what `stat_of` gave."""
+    # The process of a main thread that has ended before the others looks like a zombie.
+    return fields[0] in (b"Z", b"X") and int(fields[17]) <= 1
+
+
+def stat_of(pid: str | int) -> list[bytes] | None:
+    """Return state, parent, group, session, ... of a process, from proc(5)."""
     try:
         with open(f"/proc/{pid}/stat", "rb") as file:
             # The second field is the name, in brackets, and may hold anything.
@@ -233,12 +265,12 @@ def _stat(pid: str | int) -> list[bytes] | None:
 
 
 def _group_of(pid: int) -> int:
-    fields = _stat(pid)
+    fields = stat_of(pid)
     return int(fields[2]) if fields else 0
 
 
 def _can_answer(pid: int, number: int) -> bool:
-    fields = _stat(pid)
+    fields = stat_of(pid)
     if number == SIGKILL:
         return True
     if fields is None or fields[0] in (b"T", b"t"):
@@ -264,6 +296,10 @@ def main() -> None:
     control, manager_pid, link = (int(number) for number in sys.argv[1:4])
     os.set_inheritable(control, False)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+    # Should it be stopped when the manager dies, it goes on and clears away.
+    _prctl(_PR_SET_PDEATHSIG, signal.SIGCONT)
+    # Before there is a command, so that it has the label from its first moment.
+    _label()
     Guardian(control, manager_pid).run(sys.argv[4:], link)
 
 

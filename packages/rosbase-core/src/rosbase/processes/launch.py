@@ -1,35 +1,55 @@
 """Starts a child under its guardian: a shell command, or a node in a Python of its own."""
 
+import errno
 import multiprocessing
 import os
 import pickle
+import shutil
 import socket
 import subprocess
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from contextlib import ExitStack
 from multiprocessing import spawn
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from attrs import frozen
+from attrs import evolve, field, frozen
 
 from rosbase.errors import ConfigurationError
 from rosbase.local import process_bus
 from rosbase.local.link import Link
+from rosbase.processes.mark import Mark, marked_environment
+from rosbase.processes.terminal import open_terminal
 
-__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "OnRecord"]
-
-OnRecord = Callable[[int, str], object]
+__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order"]
 
 _GUARDIAN = str(Path(__file__).with_name("guardian.py"))
-# The module search path comes first, so that the rest can be found as it is found here.
+# The module search path comes first, so that the rest can be found as it is found here; and
+# before that, nothing is found in the current folder.
 _NODE = (
-    "import sys; from multiprocessing.connection import Connection; "
+    "import sys; sys.path[:] = filter(None, sys.path); "
+    "from multiprocessing.connection import Connection; "
     "link = Connection(int(sys.argv[1])); sys.path[:] = link.recv(); "
     "from rosbase.processes.node_main import main; main(link)"
 )
+# Whatever a user has decided about it counts more.
+_BY_DEFAULT = {"PYTHONUNBUFFERED": "1"}
+_ON_A_TERMINAL = {"TERM": "dumb"}
+
+
+@frozen
+class Order:
+    """What a launch is given: by what its processes are known, and who hears of them."""
+
+    mark: Mark
+    """What all of them carry."""
+    on_record: Callable[[int, str], object]
+    """Called with level and text of what a node logs, on a thread of its link."""
+    on_fault: Callable[[str], object]
+    """Called, on a thread of its link, when a node sends what nobody can read."""
 
 
 @frozen
@@ -48,12 +68,15 @@ class Launched:
 class Launch(ABC):
     """How to start one child, any number of times."""
 
+    on_a_terminal: bool = False
+    """Whether it writes to a terminal of its own, and not into a pipe."""
+
     @abstractmethod
-    def start(self, on_record: OnRecord) -> Launched:
-        """Starts it; `on_record(level, text)` is called with what a node logs.
+    def start(self, order: Order) -> Launched:
+        """Start it.
 
         Raises:
-            OSError: The machine has no more processes or descriptors to give.
+            OSError: The machine has no more processes, threads or descriptors to give.
         """
 
 
@@ -62,10 +85,12 @@ class CommandLaunch(Launch):
     """Starts a shell command."""
 
     command: str
+    on_a_terminal: bool = field(default=False, kw_only=True)
 
-    def start(self, on_record: OnRecord) -> Launched:
-        """Starts it; a command does not log, it writes."""
-        return _start_guarded(["/bin/sh", "-c", self.command], None, -1)
+    def start(self, order: Order) -> Launched:
+        """Start it; a command does not log, it writes."""
+        argv = ["/bin/sh", "-c", self.command]
+        return _start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
 
 
 @frozen
@@ -75,10 +100,13 @@ class NodeLaunch(Launch):
     name: str
     pickled_class: bytes
     log_level: int
+    on_a_terminal: bool = field(default=False, kw_only=True)
 
     @classmethod
-    def of(cls, name: str, node_class: Any, log_level: int) -> "NodeLaunch":
-        """Finds out now what the child would otherwise find out.
+    def of(
+        cls, name: str, node_class: Any, log_level: int, *, on_a_terminal: bool = False
+    ) -> "NodeLaunch":
+        """Find out now what the child would otherwise find out.
 
         Raises:
             ConfigurationError: Another process cannot find the class.
@@ -94,42 +122,96 @@ class NodeLaunch(Launch):
                 f"node '{name}': another process cannot find {node_class!r}; "
                 "define it at the top level of a module"
             )
-        return cls(name, pickled, log_level)
+        return cls(name, pickled, log_level, on_a_terminal=on_a_terminal)
 
-    def start(self, on_record: OnRecord) -> Launched:
-        """Starts it."""
-        ours, theirs = socket.socketpair()
-        with theirs:
-            link = Link(process_bus(), Connection(ours.detach()), self.name, on_record)
-            try:
-                argv = [sys.executable, "-c", _NODE, str(theirs.fileno())]
-                launched = _start_guarded(argv, link, theirs.fileno())
-            except BaseException:
-                link.close()
-                raise
+    def start(self, order: Order) -> Launched:
+        """Start it."""
+        surroundings = _surroundings(self.name)
         node = (self.pickled_class, self.name, self.log_level)
-        link.start(sys.path[:], _surroundings(self.name), node)
-        return launched
+        with ExitStack() as undo:
+            ours, theirs = socket.socketpair()
+            connection: Connection[Any, Any] = Connection(ours.detach())
+            link = Link(process_bus(), connection, self.name, order.on_record, order.on_fault)
+            undo.callback(link.close)
+            undo.enter_context(theirs)
+            try:
+                link.start(surroundings["sys_path"], surroundings, node)
+            except RuntimeError as error:
+                raise OSError(errno.EAGAIN, str(error)) from error
+            argv = [_python(), *_options(), "-c", _NODE, str(theirs.fileno())]
+            launched = _start_guarded(
+                argv, order, on_a_terminal=self.on_a_terminal, link_fd=theirs.fileno(), folder="/"
+            )
+            theirs.close()
+            undo.pop_all()
+        return evolve(launched, link=link)
 
 
 def _surroundings(name: str) -> dict[str, Any]:
-    """What multiprocessing tells a child, so that it finds and imports the main module."""
+    """Return what multiprocessing tells a child, so that it finds and imports the main module.
+
+    Raises:
+        FileNotFoundError: The working directory does not exist any more.
+    """
     chosen = multiprocessing.get_start_method(allow_none=True)
-    surroundings = spawn.get_preparation_data(name)
-    if chosen is None:
-        # Asking has chosen one, and that is for the program to do.
-        multiprocessing.set_start_method(None, force=True)
+    try:
+        surroundings = spawn.get_preparation_data(name)
+    except FileNotFoundError as error:
+        raise FileNotFoundError(
+            errno.ENOENT, f"node '{name}': the working directory does not exist any more"
+        ) from error
+    finally:
+        if chosen is None:
+            # Asking has chosen one, and that is for the program to do.
+            multiprocessing.set_start_method(None, force=True)
+    # It is started elsewhere, and Python remembers what it has looked up under a relative path.
+    surroundings["sys_path"] = [os.path.abspath(entry) for entry in surroundings["sys_path"]]
     # The key is for connections over a network, and refuses to be pickled.
     return {k: v for k, v in surroundings.items() if k not in ("authkey", "start_method")}
 
 
-def _start_guarded(argv: list[str], link: Link | None, link_fd: int) -> Launched:
-    ours, theirs = socket.socketpair()
-    output, write_end = os.pipe()
-    try:
+def _python() -> str:
+    """Return the path of the Python that multiprocessing would start."""
+    python = os.fsdecode(spawn.get_executable() or sys.executable)
+    return os.path.abspath(shutil.which(python) or python)
+
+
+def _options() -> list[str]:
+    """Return the options of this interpreter that multiprocessing hands on, such as `-O`."""
+    command = spawn.get_command_line()
+    return command[1 : command.index("-c")] if "-c" in command else []
+
+
+def _start_guarded(
+    argv: list[str],
+    order: Order,
+    *,
+    on_a_terminal: bool,
+    link_fd: int = -1,
+    folder: str | None = None,
+) -> Launched:
+    """Start a command under a guardian.
+
+    Args:
+        argv: The command.
+        order: What it is started for.
+        on_a_terminal: Whether it writes to a terminal.
+        link_fd: A descriptor that the command inherits, or -1.
+        folder: Where it is started; in the working directory if not given.
+    """
+    own = _ON_A_TERMINAL if on_a_terminal else {}
+    with ExitStack() as undo, ExitStack() as for_the_child:
+        ours, theirs = socket.socketpair()
+        undo.callback(ours.close)
+        for_the_child.callback(theirs.close)
+        output, write_end = open_terminal() if on_a_terminal else os.pipe()
+        undo.callback(os.close, output)
+        for_the_child.callback(os.close, write_end)
+        for fd in (ours.fileno(), output):
+            os.set_blocking(fd, False)
         guardian = subprocess.Popen(
             [
-                *(sys.executable, "-I", "-S", _GUARDIAN),
+                *(_python(), "-I", "-S", _GUARDIAN),
                 *(str(theirs.fileno()), str(os.getpid()), str(link_fd)),
                 *argv,
             ],
@@ -138,14 +220,8 @@ def _start_guarded(argv: list[str], link: Link | None, link_fd: int) -> Launched
             stderr=write_end,
             pass_fds=[fd for fd in (theirs.fileno(), link_fd) if fd >= 0],
             start_new_session=True,
+            env=_BY_DEFAULT | marked_environment(order.mark) | own,
+            cwd=folder,
         )
-    except BaseException:
-        ours.close()
-        os.close(output)
-        raise
-    finally:
-        theirs.close()
-        os.close(write_end)
-    os.set_blocking(ours.fileno(), False)
-    os.set_blocking(output, False)
-    return Launched(guardian, ours, output, link)
+        undo.pop_all()
+    return Launched(guardian, ours, output, None)

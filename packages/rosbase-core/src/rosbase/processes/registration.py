@@ -3,7 +3,7 @@
 import atexit
 import os
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from rosbase.errors import ConfigurationError
@@ -22,6 +22,7 @@ __all__ = [
 ]
 
 Restart = RestartWhen | RestartPolicy
+Chosen = bool | Collection[str] | Mapping[str, bool]
 
 _refusal = ""
 
@@ -45,8 +46,13 @@ class ChildProcesses(Mapping[str, ChildProcess]):
         """How many there are."""
         return len(self._children)
 
+    @property
+    def exit_status(self) -> int:
+        """The status of the first required child that ended for good; 0 while there is none."""
+        return self._supervisor.judge.status if self._supervisor is not None else 0
+
     def start(self) -> None:
-        """Starts them all.
+        """Start them all.
 
         Raises:
             OSError: One could not be started. Those before it have been stopped.
@@ -56,15 +62,30 @@ class ChildProcesses(Mapping[str, ChildProcess]):
             _running.add(self)
             _unclaimed.append(self)
 
-    def claim(self, logger: RosbaseLogger) -> None:
-        """Makes them those of a manager, which stops them, and in whose log they write."""
+    def claim(self, logger: RosbaseLogger, on_required_end: Callable[[], object]) -> None:
+        """Make them the children of a manager, which stops them, and in whose log they write.
+
+        Args:
+            logger: The logger of the manager.
+            on_required_end: Called, on any thread, when a required child has ended for good.
+        """
         if self in _unclaimed:
             _unclaimed.remove(self)
         if self._supervisor is not None:
-            self._supervisor.logger = logger
+            self._supervisor.journal.logger = logger
+            self._supervisor.judge.have_called(on_required_end)
+
+    def stopping_soon(self) -> None:
+        """Take note that a stop has been asked for: no end of a child has consequences any more.
+
+        It is not judged, the child is not started again, and the program does not end for it.
+        May be called from any thread and from a signal handler, any number of times.
+        """
+        if self._supervisor is not None:
+            self._supervisor.stopping_soon()
 
     def shutdown(self) -> None:
-        """Stops them all, in bounded time. Harmless when done."""
+        """Stop them all, in bounded time. Harmless when done."""
         if self._supervisor is not None:
             self._supervisor.stop()
         if self in _unclaimed:
@@ -84,9 +105,11 @@ def register_multiprocess_nodes(
     cmds_dict: Mapping[str, str] | None = None,
     *,
     restart: Restart | Mapping[str, Restart] = "never",
+    required: Chosen = False,
+    pty: Chosen = False,
     logger: RosbaseLogger | None = None,
 ) -> ChildProcesses:
-    """Starts nodes and shell commands in processes of their own.
+    """Start nodes and shell commands in processes of their own.
 
     Give the result to `start_main_loop_timer`, which stops them when the manager ends. If the
     manager cannot be built, or the program ends otherwise, they are stopped too; and also when
@@ -99,6 +122,11 @@ def register_multiprocess_nodes(
         cmds_dict: Commands for `/bin/sh` by name, with pipes and a trailing `&` if you like.
         restart: What to do when one ends by itself: `never`, `on-failure`, `always` or a
             `RestartPolicy`; for all of them, or by name.
+        required: The children without which the program is not to go on: their names, or True
+            for all. When one ends for good, whatever its status, the manager cleans up and the
+            program ends with that status.
+        pty: The children that get a pseudo-terminal for their output: their names, or True for
+            all. For programs that keep back their output, or change it, where it is a pipe.
         logger: Where output and ends are written until a manager puts its own in its place.
 
     Returns:
@@ -115,10 +143,15 @@ def register_multiprocess_nodes(
     if os.name != "posix":
         raise ConfigurationError("child processes need a POSIX system")
     logger = logger or RosbaseLogger("processes")
-    launches = _launches(mp_nodes_dict or {}, cmds_dict or {}, logger)
+    nodes, commands = mp_nodes_dict or {}, cmds_dict or {}
+    names = [*nodes, *commands]
+    on_terminals = _chosen("pty", pty, names)
+    launches = _launches(nodes, commands, on_terminals, logger)
     policies = _policies(restart, launches)
+    needed = _chosen("required", required, names)
     children = {
-        name: ChildProcess(name, launch, policies[name]) for name, launch in launches.items()
+        name: ChildProcess(name, launch, policies[name], is_required=name in needed)
+        for name, launch in launches.items()
     }
     processes = ChildProcesses(children, logger)
     processes.start()
@@ -149,8 +182,23 @@ def _shutdown_all() -> None:
         processes.shutdown()
 
 
+def _chosen(option: str, chosen: Chosen, names: Collection[str]) -> set[str]:
+    """Return the names for which an option is set."""
+    if isinstance(chosen, bool):
+        return set(names) if chosen else set()
+    if isinstance(chosen, Mapping):
+        chosen = [name for name, is_set in chosen.items() if is_set]
+    wanted = {chosen} if isinstance(chosen, str) else set(chosen)
+    if unknown := sorted(wanted - set(names)):
+        raise ConfigurationError(f"{option}: no child is called {', '.join(unknown)}")
+    return wanted
+
+
 def _launches(
-    nodes: Mapping[str, Any], commands: Mapping[str, str], logger: RosbaseLogger
+    nodes: Mapping[str, Any],
+    commands: Mapping[str, str],
+    on_terminals: Collection[str],
+    logger: RosbaseLogger,
 ) -> dict[str, Launch]:
     for name in nodes:
         if name in commands:
@@ -159,9 +207,13 @@ def _launches(
         if not isinstance(command, str):
             raise ConfigurationError(f"command '{name}' is a text for the shell, not {command!r}")
     launches: dict[str, Launch] = {
-        name: NodeLaunch.of(name, node_class, logger.level) for name, node_class in nodes.items()
+        name: NodeLaunch.of(name, node, logger.level, on_a_terminal=name in on_terminals)
+        for name, node in nodes.items()
     }
-    return launches | {name: CommandLaunch(command) for name, command in commands.items()}
+    return launches | {
+        name: CommandLaunch(command, on_a_terminal=name in on_terminals)
+        for name, command in commands.items()
+    }
 
 
 def _policies(

@@ -1,24 +1,35 @@
 """Watches over the children of a manager, on one thread: output, ends, restarts, the stop."""
 
+import errno
 import logging
 import os
 import selectors
 import socket
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger import RosbaseLogger
-from rosbase.processes.child import ChildProcess, Life, describe_end
+from rosbase.processes.adoption import begin_adopting, end_adopting
+from rosbase.processes.child import ChildProcess, Life
 from rosbase.processes.guardian import PATIENCE_S
+from rosbase.processes.journal import Journal
+from rosbase.processes.judge import Judge
+from rosbase.processes.launch import Order
+from rosbase.processes.mark import Mark, Marks
+from rosbase.processes.records import RecordLines
+from rosbase.processes.survivors import name_survivors
 
 __all__ = ["Supervisor"]
 
 _NS_PER_S = 1_000_000_000
-# Of a record, such as those of a traceback.
-_MOST_LINES = 200
 # The guardian keeps to its own time; this is for one that cannot.
 _STOP_NS = int((PATIENCE_S + 1.0) * _NS_PER_S)
+_WAKE_AGAIN_S = 0.25
+# More than a pipe holds. There may be somebody whom nobody can end, and who goes on writing.
+_MOST_LAST_READS = 32
 
 
 class Supervisor:
@@ -27,187 +38,223 @@ class Supervisor:
     def __init__(
         self, children: Sequence[ChildProcess], logger: RosbaseLogger, clock: Clock | None = None
     ) -> None:
-        self.logger = logger
-        """Where output and ends are written. A manager puts its own here."""
+        self.journal = Journal(logger)
+        self.judge = Judge(self.journal)
         self._children = children
         self._clock = clock or SystemClock()
-        self._selector = selectors.DefaultSelector()
+        self._marks = Marks()
         self._lives: list[Life] = []
-        # When whom to start again, on the monotonic clock.
-        self._due_ns: dict[ChildProcess, int] = {}
-        self._stopping = False
+        # What other threads ask for.
+        self._calls: deque[Callable[[], object]] = deque()
         self._buffer = memoryview(bytearray(65_536))
-        self._wake_r, self._wake_w = os.pipe()
-        self._selector.register(self._wake_r, selectors.EVENT_READ, (None, self._woken))
+        self._has_begun = threading.Event()
+        self._stopping = False
         self._stop_lock = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="children", daemon=True)
+        self._wake_r, self._wake_w = os.pipe()
+        try:
+            self._selector = selectors.DefaultSelector()
+            self._selector.register(self._wake_r, selectors.EVENT_READ, (None, self._woken))
+        except BaseException:
+            os.close(self._wake_r)
+            os.close(self._wake_w)
+            raise
 
     def start(self) -> None:
-        """Starts every child, then watches.
+        """Start every child, then watch.
 
         Raises:
             OSError: One could not be started. Those before it have been stopped.
         """
+        begin_adopting()
+        try:
+            self._thread.start()
+        except RuntimeError as error:
+            self._close()
+            raise OSError(errno.EAGAIN, str(error)) from error
         try:
             for child in self._children:
                 self._start(child)
         except BaseException:
-            self._thread.start()
             self.stop()
             raise
-        self._thread.start()
+        self._has_begun.set()
+
+    def stopping_soon(self) -> None:
+        """Have nothing follow from the end of a child any more: a stop has been asked for.
+
+        May be called from any thread, and from a signal handler.
+        """
+        self.journal.is_ending = True
 
     def stop(self) -> None:
-        """Stops every child and returns when none is left, in bounded time. Idempotent."""
+        """Stop every child and return when none is left, in bounded time. Idempotent."""
         with self._stop_lock:
             if self._wake_w < 0:
                 return
+            self.stopping_soon()
             self._stopping = True
+            self._has_begun.set()
             os.write(self._wake_w, b"s")
             self._thread.join()
-            self._selector.close()
-            os.close(self._wake_w)
-            os.close(self._wake_r)
-            self._wake_w = -1
+            self._close()
 
-    # On the supervisor's thread.
+    def _close(self) -> None:
+        self._selector.close()
+        os.close(self._wake_w)
+        os.close(self._wake_r)
+        self._wake_w = -1
+        end_adopting()
+
+    # On the supervisor's thread, but for the first starts, which come before.
 
     def _run(self) -> None:
+        self._has_begun.wait()
+        if not self._stopping:
+            self._deal_with(None, partial(name_survivors, self._marks.program, self.journal))
         while not self._stopping:
-            self._handle(self._next_due_s())
-            self._start_due()
-        self._due_ns.clear()
+            self._handle(self._patience_s())
+            self._do_what_is_due()
         for life in self._lives:
             life.ask_to_stop()
         ends_ns = self._clock.monotonic_ns() + _STOP_NS
         while self._lives and (left_ns := ends_ns - self._clock.monotonic_ns()) > 0:
-            self._handle(left_ns / _NS_PER_S)
+            self._handle(min(left_ns / _NS_PER_S, _WAKE_AGAIN_S))
+            for life in self._lives:
+                life.wake()
         for life in list(self._lives):
             life.kill()
-            self._end(life)
+            self._deal_with(None, partial(self._end, life))
+        self.judge.close()
 
     def _handle(self, timeout_s: float | None) -> None:
         for key, _ in self._selector.select(timeout_s):
             life, handle = key.data
-            if life is None:
-                handle()
-                continue
             # It may have ended with an event that stood before this one in the list.
-            if life not in self._lives:
-                continue
-            try:
-                handle()
-            except Exception as error:
-                # One child that cannot be dealt with must not take the others along.
-                self.logger.error(f"{life.child.name}: {error!r}", exc_info=error)
+            if life is None or life in self._lives:
+                self._deal_with(life, handle)
+
+    def _deal_with(self, life: Life | None, handle: Callable[[], object]) -> None:
+        try:
+            handle()
+        except Exception as error:
+            # One child that cannot be dealt with must not take the others along.
+            name = life.child.name if life else "children"
+            self.journal.logger.error(f"{name}: {error!r}", exc_info=error)
+            if life in self._lives:
                 life.kill()
-                if life in self._lives:
-                    self._end(life)
+                self._deal_with(None, partial(self._end, life))
 
     def _woken(self) -> None:
         os.read(self._wake_r, 64)
+        while self._calls:
+            self._calls.popleft()()
 
-    def _next_due_s(self) -> float | None:
-        if not self._due_ns:
+    def _patience_s(self) -> float | None:
+        dues = [self.judge.due_ns, *(life.lines.due_ns for life in self._lives)]
+        earliest_ns = min((due_ns for due_ns in dues if due_ns is not None), default=None)
+        if earliest_ns is None:
             return None
-        return max(0, min(self._due_ns.values()) - self._clock.monotonic_ns()) / _NS_PER_S
+        return max(0, earliest_ns - self._clock.monotonic_ns()) / _NS_PER_S
 
-    def _start_due(self) -> None:
+    def _do_what_is_due(self) -> None:
         now_ns = self._clock.monotonic_ns()
-        for child in [child for child, due_ns in self._due_ns.items() if due_ns <= now_ns]:
-            del self._due_ns[child]
+        for life in list(self._lives):
+            lines = life.lines.tick(now_ns)
+            self._deal_with(life, partial(self.journal.write_output, life, lines))
+        for child in self.judge.to_start(now_ns):
             try:
                 self._start(child)
             except Exception as error:
-                self.logger.error(f"{child.name}: cannot be started: {error}")
-                self._plan_restart(child, failed=True, ran_s=0.0)
+                self.journal.write(logging.ERROR, child.name, f"cannot be started: {error}")
+                self.judge.could_not_start(child, now_ns)
 
     def _start(self, child: ChildProcess) -> None:
-        launched = child.launch.start(lambda level, text: self._record(child, level, text))
-        life = Life(child, launched, self._clock.monotonic_ns())
+        mark, records = self._marks.make(child.name), RecordLines()
+        on_record = partial(self._record, child.name, records)
+        order = Order(mark, on_record, partial(self._fault_soon, mark))
+        life = Life(child, child.launch.start(order), mark, records, self._clock)
         self._lives.append(life)
-        self._watch(life, life.control, lambda: self._hear(life))
-        self._watch(life, life.output, lambda: self._read(life))
-        if life.ended_fd >= 0:
-            self._watch(life, life.ended_fd, lambda: self._end(life))
-
-    def _watch(self, life: Life, source: socket.socket | int, handle: Callable[[], object]) -> None:
-        self._selector.register(source, selectors.EVENT_READ, (life, handle))
+        handlers: dict[socket.socket | int, Callable[[Life], object]] = {
+            life.control: self._hear,
+            life.output: self._read,
+            life.ended_fd: self._end,
+        }
+        try:
+            for source, handle in handlers.items():
+                if source != -1:
+                    about = (life, partial(handle, life))
+                    self._selector.register(source, selectors.EVENT_READ, about)
+        except BaseException:
+            life.kill()
+            self._bury(life)
+            raise
 
     def _ignore(self, source: socket.socket | int) -> None:
-        if source in self._selector.get_map():
+        if source != -1 and source in self._selector.get_map():
             self._selector.unregister(source)
 
     def _read(self, life: Life) -> bool:
-        """Logs what there is to read; false if there is nothing now."""
+        """Log what there is to read; false if there is nothing now."""
         try:
             number = os.readv(life.output, [self._buffer])
         except BlockingIOError:
             return False
+        except OSError:
+            # A terminal says so when nobody writes to it any more.
+            number = 0
         if number:
             now_ns = self._clock.monotonic_ns()
-            self._write(life, life.lines.feed(bytes(self._buffer[:number]), now_ns))
+            lines = life.lines.feed(bytes(self._buffer[:number]), now_ns)
+            self.journal.write_output(life, lines)
             return True
         self._ignore(life.output)
         return False
 
+    def _read_all(self, life: Life) -> None:
+        for _ in range(_MOST_LAST_READS):
+            if not self._read(life):
+                return
+
     def _hear(self, life: Life) -> None:
         goes_on = life.hear()
-        if life.child.exit_code is not None:
-            self._report(life)
+        if life.child.exit_code is not None and not life.may_be_a_stop and not life.is_reported:
+            self._read_all(life)
+            self.journal.write_end(life)
         if not goes_on:
             self._end(life)
 
     def _end(self, life: Life) -> None:
-        """Takes in its last words, and gives back what belonged to it."""
+        self._bury(life)
+        self.judge.ended(life, self._clock.monotonic_ns())
+
+    def _bury(self, life: Life) -> None:
+        """Take in its last words, and give back what belonged to it."""
         self._lives.remove(life)
         for source in (life.control, life.output, life.ended_fd):
             self._ignore(source)
         life.hear()
-        while self._read(life):
-            pass
-        self._write(life, life.lines.finish())
         life.finish()
-        self._report(life)
-        ran_s = (self._clock.monotonic_ns() - life.started_ns) / _NS_PER_S
-        if not self._stopping:
-            self._plan_restart(life.child, failed=life.child.exit_code != 0, ran_s=ran_s)
+        self._read_all(life)
+        last_words = life.has_failed and not self.journal.is_ending
+        self.journal.write_output(life, life.lines.finish(last_words=last_words))
+        life.close()
+        for level, text in life.records.finish():
+            self.journal.write(level, life.child.name, text)
 
-    def _plan_restart(self, child: ChildProcess, *, failed: bool, ran_s: float) -> None:
-        restarts = child.restarts
-        delay_s = restarts.after_end(failed=failed, ran_s=ran_s)
-        if delay_s is not None:
-            self._due_ns[child] = self._clock.monotonic_ns() + int(delay_s * _NS_PER_S)
-            count = f"{restarts.in_a_row} of {restarts.policy.limit}"
-            self.logger.warning(f"{child.name}: starting again in {delay_s:.1f} s ({count})")
-        elif restarts.has_given_up:
-            self.logger.error(f"{child.name}: not started again: {restarts.in_a_row} in a row")
+    def _stop_for_fault(self, mark: Mark, why: str) -> None:
+        for life in self._lives:
+            if life.mark == mark and not life.fault:
+                life.fault = why
+                self.journal.write(logging.ERROR, life.child.name, f"{why}; it is stopped")
+                life.ask_to_stop()
 
-    # Into the log.
+    # On the threads of links.
 
-    def _report(self, life: Life) -> None:
-        child, code = life.child, life.child.exit_code
-        if code is not None and not life.is_reported:
-            life.is_reported = True
-            write = self.logger.error if code and not self._stopping else self.logger.info
-            write(f"{child.name}: {describe_end(code)}")
-        if not child.is_alive and life.was_killed:
-            self.logger.warning(f"{child.name}: had to be killed")
-        if not child.is_alive and life.left:
-            self.logger.error(f"{child.name}: could not be killed: {life.left}")
+    def _record(self, name: str, records: RecordLines, level: int, text: str) -> None:
+        for line_level, line in records.take(level, text, self._clock.monotonic_ns()):
+            self.journal.write(line_level, name, line)
 
-    def _write(self, life: Life, lines: Iterable[str]) -> None:
-        for line in lines:
-            self.logger.info(f"{life.child.name}: {line}")
-
-    def _record(self, child: ChildProcess, level: int, text: str) -> None:
-        methods = {
-            logging.DEBUG: self.logger.debug,
-            logging.WARNING: self.logger.warning,
-            logging.ERROR: self.logger.error,
-            logging.CRITICAL: self.logger.critical,
-        }
-        write = methods.get(level, self.logger.info)
-        # Each with the name in front, as output: what stands below a record is the child's too.
-        for line in text.splitlines()[:_MOST_LINES] or [""]:
-            write(f"{child.name}: {line}")
+    def _fault_soon(self, mark: Mark, why: str) -> None:
+        self._calls.append(partial(self._stop_for_fault, mark, why))
+        os.write(self._wake_w, b"f")

@@ -1,0 +1,69 @@
+"""What the log says of children: their output, their records, how they end, what follows."""
+
+import logging
+from collections.abc import Iterable
+
+from rosbase.logger import RosbaseLogger
+from rosbase.processes.child import ChildProcess, Life, describe_end
+
+__all__ = ["Journal"]
+
+
+class Journal:
+    """Writes about children into a log, each line with the name of its child."""
+
+    def __init__(self, logger: RosbaseLogger) -> None:
+        self.logger = logger
+        """Where it is written. A manager puts its own logger here."""
+        self.is_ending = False
+        """Whether the program is ending. Then the ends of children are no news."""
+
+    def write(self, level: int, name: str, text: str) -> None:
+        """Write one line about a child."""
+        methods = {
+            logging.DEBUG: self.logger.debug,
+            logging.WARNING: self.logger.warning,
+            logging.ERROR: self.logger.error,
+            logging.CRITICAL: self.logger.critical,
+        }
+        methods.get(level, self.logger.info)(f"{name}: {text}")
+
+    def write_output(self, life: Life, lines: Iterable[str]) -> None:
+        """Write what a child has written; the tracebacks in it are errors."""
+        for line in lines:
+            # Python says with a traceback that it was interrupted, which is how a stop begins.
+            is_error = life.tracebacks.is_part(line) and not self.is_ending
+            self.write(logging.ERROR if is_error else logging.INFO, life.child.name, line)
+
+    def write_end(self, life: Life) -> None:
+        """Write how a child has ended, once; and what its end took, when all of it has ended."""
+        child, code = life.child, life.child.exit_code
+        if code is not None and not life.is_reported:
+            life.is_reported = True
+            level = logging.ERROR if life.has_failed and not self.is_ending else logging.INFO
+            why = life.why_not_started
+            self.write(
+                level, child.name, f"cannot be started: {why}" if why else describe_end(code)
+            )
+        if child.is_alive or life.is_settled:
+            return
+        life.is_settled = True
+        if life.has_lost_guardian and not life.left:
+            self.write(logging.ERROR, child.name, "its guardian is dead, so all of it was killed")
+        if life.was_killed:
+            self.write(logging.WARNING, child.name, "had to be killed")
+        if life.left:
+            self.write(logging.ERROR, child.name, f"could not be killed: {life.left}")
+
+    def write_restart(self, child: ChildProcess, delay_s: float) -> None:
+        """Write when a child is started again."""
+        count = f"{child.restarts.in_a_row} of {child.restarts.policy.limit}"
+        self.write(logging.WARNING, child.name, f"starting again in {delay_s:.1f} s ({count})")
+
+    def write_last_end(self, child: ChildProcess) -> None:
+        """Write that a child is not started again, if that is worth saying."""
+        if child.restarts.has_given_up:
+            text = f"not started again: {child.restarts.in_a_row} in a row"
+            self.write(logging.ERROR, child.name, text)
+        if child.is_required:
+            self.write(logging.ERROR, child.name, "is required, so the program ends")
