@@ -37,7 +37,7 @@ class Sensor(BaseNode):
             self.destroy_timer(self.trigger)
             self.destroy_subscription(self.input)
             self.destroy_publisher(self.output)
-            signal.raise_signal(signal.SIGINT)
+            self.request_stop()
 
     def release_resources(self) -> None:
         self.was_released += 1

@@ -1,10 +1,5 @@
 """Up in order, down in reverse, and all of it whatever happens."""
 
-import os
-import signal
-import subprocess
-import sys
-import textwrap
 from typing import Any
 
 import pytest
@@ -19,24 +14,6 @@ from rosbase import (
 )
 from rosbase.testing import virtual_backend
 from support.roles import Camera, StopAfter
-
-APP = """
-import sys
-from rosbase import BaseHandlers, BaseManager
-
-class Handlers(BaseHandlers):
-    def handle(self):
-        if self.timestamp == 0:
-            print("running", flush=True)
-
-class App(BaseManager):
-    def release_resources(self):
-        print("released", flush=True)
-        {hang}
-
-App(handlers_class=Handlers).start_main_loop_timer()
-print("returned", flush=True)
-"""
 
 
 def test_every_step_of_the_shutdown_is_attempted_in_order() -> None:
@@ -189,34 +166,6 @@ def test_lifecycle_nodes_come_up_in_order_and_are_rolled_back(
     assert "activate failed, now inactive: no reason" in caplog.text
     assert "c" in states
     assert states["c"] is State.UNCONFIGURED, "the one that failed gives back what it took"
-
-
-@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_stops_and_cleans_up_without_a_traceback(signum: int) -> None:
-    code = textwrap.dedent(APP).format(hang="pass")
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as app:
-        assert app.stdout is not None
-        assert app.stdout.readline() == "running\n"
-        app.send_signal(signum)
-        out, err = app.communicate(timeout=20)
-    assert (app.returncode, out, err) == (0, "released\nreturned\n", "")
-
-
-def test_a_second_signal_forces_the_end() -> None:
-    code = textwrap.dedent(APP).format(hang="import time; time.sleep(100)")
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as app:
-        assert app.stdout is not None
-        assert app.stdout.readline() == "running\n"
-        app.send_signal(signal.SIGINT)
-        assert app.stdout.readline() == "released\n"
-        app.send_signal(signal.SIGINT)
-        app.communicate(timeout=20)
-    assert app.returncode == 128 + signal.SIGINT
-    assert os.WIFEXITED(app.returncode << 8)
 
 
 def test_building_a_component_that_raises_closes_the_backend() -> None:

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ class Program:
         options: Sequence[str] = (),
         cwd: Path | None = None,
         env: Mapping[str, str] | None = None,
+        stdin: int | None = None,
     ) -> None:
         """Starts it from a file in the folder.
 
@@ -37,6 +39,7 @@ class Program:
             options: Those of Python; `-m` at their end has it run as a module.
             cwd: Where it runs.
             env: What is added to its environment.
+            stdin: A descriptor that it reads from.
         """
         file = folder / "program.py"
         file.write_text(textwrap.dedent(source))
@@ -46,6 +49,7 @@ class Program:
             [sys.executable, "-W", "error", *options, name, *arguments],
             env={**os.environ, _MARK: self.mark.split("=")[1], **(env or {})},
             cwd=cwd,
+            stdin=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -63,6 +67,13 @@ class Program:
         """Waits for its end: status, the rest of its output, what it wrote to stderr."""
         out, err = self.process.communicate(timeout=30)
         return self.process.returncode, out, err
+
+    def stop(self, signum: int) -> tuple[float, int, str, str]:
+        """Sends a signal and waits: how long the end took in seconds, and what `end` gives."""
+        sent = time.monotonic()
+        self.process.send_signal(signum)
+        status, out, err = self.end()
+        return time.monotonic() - sent, status, out, err
 
     def family(self) -> dict[int, str]:
         """All processes that have its mark, and are not about to vanish, with their commands."""

@@ -157,6 +157,11 @@ class Backend(ABC):
         self.spin_until = self.executor.spin_until
         """Handles callbacks as they come, until a deadline on the monotonic clock."""
 
+    @property
+    def is_in_virtual_time(self) -> bool:
+        """Whether deadlines are those of a test's clock, not of this machine's."""
+        return not isinstance(self.executor.clock, SystemClock)
+
     @abstractmethod
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile

@@ -1,6 +1,7 @@
 """The manager: owns everything in one process, and ties the roles together."""
 
 import inspect
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -19,12 +20,13 @@ from rosbase.processes import (
 )
 from rosbase.roles.agent import BaseAgent
 from rosbase.roles.connection import open_backend
+from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
-from rosbase.roles.shutdown import run_steps
+from rosbase.roles.shutdown import name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
-from rosbase.runtime.stopping import stop_on_signals
+from rosbase.runtime.stopping import StopSignals, stop_on_signals
 
 # Programs written for ros_base import the two functions from here.
 __all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_nodes"]
@@ -38,7 +40,7 @@ _PENDING_REPORT_S = 5.0
 _LOG_FREQ_NS = 1_000_000_000
 
 
-class BaseManager:
+class BaseManager(Constructed):
     """Registers nodes, agents and handlers, shakes hands, runs the main loop, cleans up.
 
     `start_main_loop_timer()` does all of it and returns when the application has ended.
@@ -50,6 +52,7 @@ class BaseManager:
     state_handle: Callable[..., object] | None = None
     """Define it to be called after that, with what `get_state_switch` gave if it takes it."""
 
+    @constructor
     def __init__(
         self,
         node_name: str = "BaseManager",
@@ -88,21 +91,28 @@ class BaseManager:
                 seconds.
             NotInstalledError: No backend of that name can be used.
         """
-        try:
-            self.backend = open_backend(backend, BackendOptions(node_name=node_name))
-            try:
-                self.logger: RosbaseLogger = make_logger(
-                    node_name, custom_logger, self.backend.clock, self.backend.log_handler
-                )
-                self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
-                self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
-            except BaseException:
-                self.backend.close()
-                raise
-        except BaseException:
-            # Children were started for this manager, and nobody else knows of them.
-            shutdown_unclaimed()
-            raise
+        self._known_threads = threading.enumerate()
+        self.nodes: dict[str, Any] = {}
+        self.agents: dict[str, Any] = {}
+        self.backend = open_backend(backend, BackendOptions(node_name=node_name))
+        self.logger: RosbaseLogger = make_logger(
+            node_name, custom_logger, self.backend.clock, self.backend.log_handler
+        )
+        self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
+        self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
+
+    def _abandon(self) -> None:
+        """Give back what a constructor that failed has taken."""
+        if hasattr(self, "logger"):
+            nodes = reversed(self.nodes.items())
+            run_steps(
+                [(f"release_resources of {name}", node.release_resources) for name, node in nodes],
+                self.logger,
+            )
+        if hasattr(self, "backend"):
+            self.backend.close()
+        # Children were started for this manager, and nobody else knows of them.
+        shutdown_unclaimed()
 
     def _prepare(
         self,
@@ -118,8 +128,6 @@ class BaseManager:
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
-        self.nodes: dict[str, Any] = {}
-        self.agents: dict[str, Any] = {}
         self.handlers: BaseHandlers | None = None
         self.loop_stats = LoopStats()
         self._handshake = Handshake(self.logger)
@@ -217,28 +225,38 @@ class BaseManager:
         self._counts_plainly = (
             getattr(self.update_timestamp, "__func__", None) is BaseManager.update_timestamp
         )
-        with stop_on_signals(self.request_stop):
-            try:
-                self._claim(processes)
-                self._wait_for_handshake()
-                bring_up(self._lifecycle_nodes(), self._is_stopping)
-                self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
-                run_main_loop(
-                    self.backend.executor,
-                    self.node_freq_hz,
-                    self.main_loop,
-                    self._is_stopping,
-                    self.loop_stats,
-                    self._look_after,
-                )
-            except BaseException:
-                self._shut_down(processes)
+        if self.backend.is_in_virtual_time:
+            # The signals of a test are its runner's.
+            self._run(processes, None)
+            return
+        with stop_on_signals(self.request_stop, self.backend.call_soon) as stop:
+            self._run(processes, stop)
+
+    def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
+        try:
+            self._claim(processes)
+            self._wait_for_handshake()
+            bring_up(self._lifecycle_nodes(), self._is_stopping)
+            self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
+            run_main_loop(
+                self.backend.executor,
+                self.node_freq_hz,
+                self.main_loop,
+                self._is_stopping,
+                self.loop_stats,
+                self._look_after,
+            )
+        except BaseException as error:
+            failure = self._shut_down(processes, stop)
+            is_wish = isinstance(error, KeyboardInterrupt) and stop is not None and stop.was_asked
+            if not is_wish:
                 raise
-            failure = self._shut_down(processes)
-            if failure is not None:
-                raise failure
-            if self._processes is not None and self._processes.exit_status:
-                raise SystemExit(self._processes.exit_status)
+        else:
+            failure = self._shut_down(processes, stop)
+        if failure is not None:
+            raise failure
+        if self._processes is not None and self._processes.exit_status:
+            raise SystemExit(self._processes.exit_status)
 
     def start_main_loop(self, processes: ChildProcesses | None = None) -> None:
         """The older name of `start_main_loop_timer`."""
@@ -308,7 +326,9 @@ class BaseManager:
                 self.logger.info(f"main loop: {rate_hz:.1f} Hz")
             self._frequency_mark = (now_ns, ticks)
 
-    def _shut_down(self, processes: ChildProcesses | None) -> BaseException | None:
+    def _shut_down(
+        self, processes: ChildProcesses | None, stop: StopSignals | None
+    ) -> BaseException | None:
         if self._processes is not None:
             self._processes.stopping_soon()
         return run_steps(
@@ -318,8 +338,10 @@ class BaseManager:
                 ("release_resources", self.release_resources),
                 ("destroy_node", self.destroy_node),
                 ("backend", self.backend.close),
+                ("threads", lambda: name_threads_left(self._known_threads, self.logger)),
             ],
             self.logger,
+            stop,
         )
 
 

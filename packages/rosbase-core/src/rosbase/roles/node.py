@@ -9,9 +9,10 @@ from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.qos import QoSProfile
 from rosbase.roles.connection import lone_node_name, open_backend
+from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.shutdown import run_steps
-from rosbase.runtime.stopping import stop_on_signals
+from rosbase.runtime.stopping import StopSignals, stop_on_signals
 
 __all__ = ["BaseNode"]
 
@@ -20,13 +21,14 @@ MessageT = TypeVar("MessageT")
 _NS_PER_S = 1_000_000_000
 
 
-class BaseNode(Component):
+class BaseNode(Constructed, Component):
     """Publishes, subscribes, and keeps what came in for handlers and agents to read.
 
     With a manager it uses the manager's connection. Without one it opens its own, and
     `start_spin_standalone()` runs it.
     """
 
+    @constructor
     def __init__(
         self,
         manager: ManagerContext | None = None,
@@ -128,18 +130,19 @@ class BaseNode(Component):
         """
         if self.manager is not None:
             raise RuntimeError("a node with a manager is run by the manager")
-        with stop_on_signals(self._request_stop):
-            try:
-                self._begin()
-                while not self._stop_requested:
-                    deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
-                    self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
-            except BaseException:
-                self._shut_down()
-                raise
-            failure = self._shut_down()
-            if failure is not None:
-                raise failure
+        if self._backend.is_in_virtual_time:
+            # The signals of a test are its runner's.
+            self._run(None)
+            return
+        with stop_on_signals(self._request_stop, self._backend.call_soon) as stop:
+            self._run(stop)
+
+    def request_stop(self) -> None:
+        """End the spinning of a lone node, or the main loop of the manager. From any thread."""
+        if self.manager is not None:
+            self.manager.request_stop()
+        else:
+            self._request_stop()
 
     def release_resources(self) -> None:
         """Called when the node ends. Override it to release files, threads and devices."""
@@ -149,13 +152,34 @@ class BaseNode(Component):
         if self.manager is None:
             self._backend.close()
 
+    def _abandon(self) -> None:
+        """Give back what a constructor that failed has taken."""
+        if self.__dict__.get("manager") is None and hasattr(self, "_backend"):
+            self._backend.close()
+
+    def _run(self, stop: StopSignals | None) -> None:
+        try:
+            self._begin()
+            while not self._stop_requested:
+                deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
+                self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
+        except BaseException as error:
+            failure = self._shut_down(stop)
+            is_wish = isinstance(error, KeyboardInterrupt) and stop is not None and stop.was_asked
+            if not is_wish:
+                raise
+        else:
+            failure = self._shut_down(stop)
+        if failure is not None:
+            raise failure
+
     def _begin(self) -> None:
         """What a lone node does before it is spun."""
 
     def _end(self) -> None:
         """What a lone node does once it is not spun any more."""
 
-    def _shut_down(self) -> BaseException | None:
+    def _shut_down(self, stop: StopSignals | None) -> BaseException | None:
         return run_steps(
             [
                 ("lifecycle", self._end),
@@ -163,6 +187,7 @@ class BaseNode(Component):
                 ("destroy_node", self.destroy_node),
             ],
             self.logger,
+            stop,
         )
 
     def _request_stop(self) -> None:

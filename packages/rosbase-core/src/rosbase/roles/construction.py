@@ -1,0 +1,82 @@
+"""Constructors of managers and nodes: undone as a whole when they fail or a signal ends them."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from rosbase.contracts.backend import Backend
+from rosbase.runtime.stopping import StopSignals, stop_on_signals
+
+__all__ = ["Constructed", "constructor"]
+
+InitT = TypeVar("InitT", bound=Callable[..., None])
+
+
+class Constructed:
+    """A class whose whole constructor, subclasses' parts included, is undone if it fails."""
+
+    _is_under_construction = False
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "__init__" in cls.__dict__:
+            cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]  # as decorated
+
+    def _abandon(self) -> None:
+        """Undo what the constructor has done so far."""
+
+
+def constructor(init: InitT) -> InitT:
+    """Wrap an `__init__`, so that the outermost one undoes everything if it does not succeed.
+
+    While it runs, SIGINT, SIGTERM and SIGHUP ask for the end: the constructor is undone and
+    SystemExit with status 0 is raised.
+    """
+
+    @functools.wraps(init)
+    def construct(self: Constructed, *args: Any, **kwargs: Any) -> None:
+        if self._is_under_construction:
+            init(self, *args, **kwargs)
+            return
+        self._is_under_construction = True
+        try:
+            if _is_in_virtual_time(kwargs.get("backend")):
+                _construct(self, None, lambda: init(self, *args, **kwargs))
+                return
+            with stop_on_signals(_nothing, yields_to_outer=True) as stop:
+                _construct(self, stop, lambda: init(self, *args, **kwargs))
+        finally:
+            del self._is_under_construction
+
+    return construct  # type: ignore[return-value]  # it has the signature of `init`
+
+
+def _construct(
+    constructed: Constructed, stop: StopSignals | None, init: Callable[[], None]
+) -> None:
+    try:
+        init()
+        if stop is None or not stop.was_asked:
+            return
+    except BaseException as error:
+        _undo(constructed, stop)
+        if stop is None or not stop.was_asked or not isinstance(error, KeyboardInterrupt):
+            raise
+    else:
+        _undo(constructed, stop)
+    # Not from the interrupt, which was only the way here.
+    raise SystemExit(0) from None
+
+
+def _undo(constructed: Constructed, stop: StopSignals | None) -> None:
+    if stop is not None:
+        stop.begin_clean_up()
+    constructed._abandon()
+
+
+def _is_in_virtual_time(backend: object) -> bool:
+    return isinstance(backend, Backend) and backend.is_in_virtual_time
+
+
+def _nothing() -> None:
+    """What a wish asks for while a constructor runs: its end is enough."""

@@ -1,0 +1,134 @@
+"""Raises an exception in code of the program that blocks the main thread.
+
+Only a signal handler can do that: it also ends a `sleep`, an `input()` or a wait for a lock, which
+`_thread.interrupt_main` does not. So a thread sends the main thread SIGURG, which means nothing to
+a process that does not handle it, and the handler raises.
+"""
+
+import _thread
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+from rosbase.clock import SystemClock
+
+__all__ = ["Interrupt"]
+
+# Windows has neither this signal nor `pthread_kill`: there, blocking code is waited for.
+_KNOCK = getattr(signal, "SIGURG", None)
+_RETRY_S = 0.01
+_REPEAT_S = 0.5
+_DRAIN_TRIES = 100
+
+Defer = Callable[[Callable[[], object]], object]
+
+
+class Interrupt:
+    """Raises in user code of the main thread, once that is due, until it is disarmed.
+
+    It never raises in rosbase itself, which would be left in disorder. While rosbase runs, it
+    tries again 10 ms later. Where user code waits in rosbase, such as in `spin_once`, the exception
+    is raised there by a deferred call.
+    """
+
+    def __init__(
+        self, make_error: Callable[[FrameType | None], BaseException], defer: Defer | None = None
+    ) -> None:
+        """Prepare nothing yet.
+
+        Args:
+            make_error: Makes the exception; given the frame in which it is raised.
+            defer: Queues a call for whatever spins: `Backend.call_soon`.
+        """
+        self._make_error = make_error
+        self._defer = defer
+        self._clock = SystemClock()
+        self._due_ns: int | None = None
+        self._is_deferred = self._is_knocking = self._has_thread = self._repeats = False
+        self._handler_before: Any = None
+        # Held while the thread knocks: after `disarm`, no knock is on its way.
+        self._knock_lock = threading.Lock()
+
+    def arm(self, delay_s: float, *, repeats: bool) -> None:
+        """Raise after that time, and with `repeats` again every half second.
+
+        For the main thread, its signal handlers included.
+        """
+        self._repeats = repeats
+        self._due_ns = self._clock.monotonic_ns() + int(delay_s * 1e9)
+        self._is_deferred = False
+        if self._has_thread or _KNOCK is None:
+            return
+        self._has_thread = True
+        self._handler_before = signal.signal(_KNOCK, self._handle)
+        # Not `threading.Thread`, whose start takes locks that the interrupted code may hold.
+        _thread.start_new_thread(self._knock_until_disarmed, ())
+
+    def disarm(self) -> None:
+        """Raise no more. For the main thread, outside of a signal handler."""
+        self._due_ns = None
+        if not self._has_thread or _KNOCK is None:
+            return
+        with self._knock_lock:
+            self._has_thread = False
+        # A knock that has been sent is handled before the handler is taken away.
+        for _ in range(_DRAIN_TRIES):
+            if not self._is_knocking:
+                break
+            self._clock.sleep(0.001)
+        signal.signal(_KNOCK, self._handler_before)
+
+    def raise_in(self, frame: FrameType | None) -> None:
+        """Raise if it is due and the frame is user code's. Called by signal handlers."""
+        if self._due_ns is None or self._clock.monotonic_ns() < self._due_ns:
+            return
+        if not _is_user_code(frame):
+            if self._defer is not None and not self._is_deferred:
+                self._is_deferred = True
+                self._defer(self._raise_if_due)
+            return
+        self._raise(frame)
+
+    def _raise_if_due(self) -> None:
+        self._is_deferred = False
+        if self._due_ns is not None and self._clock.monotonic_ns() >= self._due_ns:
+            self._raise(None)
+
+    def _raise(self, frame: FrameType | None) -> None:
+        # Code that catches it and goes on is interrupted again.
+        again_ns = self._clock.monotonic_ns() + int(_REPEAT_S * 1e9)
+        self._due_ns = again_ns if self._repeats else None
+        raise self._make_error(frame)
+
+    def _handle(self, signum: int, frame: FrameType | None) -> None:
+        self._is_knocking = False
+        self.raise_in(frame)
+
+    def _knock_until_disarmed(self) -> None:
+        main = threading.main_thread().ident
+        assert main is not None
+        assert _KNOCK is not None
+        while True:
+            self._clock.sleep(_RETRY_S)
+            with self._knock_lock:
+                if not self._has_thread:
+                    return
+                due_ns = self._due_ns
+                if due_ns is not None and self._clock.monotonic_ns() >= due_ns:
+                    self._is_knocking = True
+                    signal.pthread_kill(main, _KNOCK)
+
+
+def _is_user_code(frame: FrameType | None) -> bool:
+    """Whether the innermost frame that is not the standard library's is not rosbase's."""
+    while frame is not None:
+        package = str(frame.f_globals.get("__name__", "")).partition(".")[0]
+        if package == "rosbase" or package.startswith("rosbase_"):
+            return False
+        if package not in sys.stdlib_module_names:
+            return True
+        frame = frame.f_back
+    return False

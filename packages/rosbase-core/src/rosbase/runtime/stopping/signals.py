@@ -1,0 +1,172 @@
+"""What SIGINT, SIGTERM and SIGHUP do while a program runs.
+
+The first wish asks for the stop; user code that has not come back after half a second gets
+KeyboardInterrupt. The second wish raises it at once; within the clean-up it ends only the step
+that blocks. The third wish ends the process. Signals within a second are one wish.
+"""
+
+import atexit
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+from rosbase.clock import SystemClock
+from rosbase.runtime.stopping.interrupt import Defer, Interrupt
+from rosbase.runtime.stopping.wishes import Wishes
+
+__all__ = ["StopSignals", "stop_on_signals"]
+
+_PATIENCE_S = 0.5
+_QUIET_NS = 1_000_000_000
+_FORCE_WISHES = 3
+
+# Windows has no SIGHUP.
+_HANGUP = getattr(signal, "SIGHUP", None)
+_SIGNALS = [signal.SIGINT, signal.SIGTERM] + ([_HANGUP] if _HANGUP is not None else [])
+
+_clock = SystemClock()
+
+
+class StopSignals:
+    """The wishes to stop of one run, from its first step to the end of its clean-up."""
+
+    def __init__(self, request_stop: Callable[[], object], defer: Defer | None = None) -> None:
+        """Prepare a run.
+
+        Args:
+            request_stop: Asks for the stop. It runs in a signal handler: it must be quick and take
+                no locks.
+            defer: Queues a call for whatever spins, from a signal handler.
+        """
+        self._request_stop = request_stop
+        self._wishes = Wishes()
+        self._interrupt = Interrupt(lambda frame: KeyboardInterrupt(), defer)
+        self._cleans_up = False
+
+    @property
+    def was_asked(self) -> bool:
+        """Whether a signal has asked for the stop."""
+        return self._wishes.count > 0
+
+    def begin_clean_up(self) -> None:
+        """Interrupt nothing more that the first wish was for."""
+        self._cleans_up = True
+        self._interrupt.disarm()
+
+    def begin_step(self) -> None:
+        """Begin a step of the clean-up: a wish that was for the step before is over."""
+        self._interrupt.disarm()
+
+    def end(self) -> None:
+        """Interrupt nothing more."""
+        self._interrupt.disarm()
+
+    def handle(self, signum: int, frame: FrameType | None) -> None:
+        """Take a signal. For `signal.signal`."""
+        if not self._wishes.add(_clock.monotonic_ns()):
+            return
+        if self._wishes.count >= _FORCE_WISHES:
+            os._exit(128 + signum)
+        self._request_stop()
+        if self._wishes.count > 1:
+            self._interrupt.arm(0.0, repeats=not self._cleans_up)
+            self._interrupt.raise_in(frame)
+        elif not self._cleans_up:
+            self._interrupt.arm(_PATIENCE_S, repeats=True)
+
+
+@contextmanager
+def stop_on_signals(
+    request_stop: Callable[[], object],
+    defer: Defer | None = None,
+    *,
+    yields_to_outer: bool = False,
+) -> Iterator[StopSignals]:
+    """Have SIGINT, SIGTERM and SIGHUP ask for a stop, as long as the context lasts.
+
+    A SIGHUP that is ignored, as under nohup, stays ignored. After the context, further signals are
+    ignored for a second if one has asked for the stop; then the handlers from before are back.
+    Outside of the main thread, where Python delivers no signals, nothing changes.
+
+    Args:
+        request_stop: As in `StopSignals`.
+        defer: As in `StopSignals`.
+        yields_to_outer: Whether nothing changes within such a context either.
+    """
+    stop = StopSignals(request_stop, defer)
+    is_main = threading.current_thread() is threading.main_thread()
+    if not is_main or (yields_to_outer and _handlers.active):
+        yield stop
+        return
+    before = _handlers.install(stop)
+    try:
+        yield stop
+    finally:
+        stop.end()
+        _handlers.remove(before, is_quiet=stop.was_asked)
+
+
+class _Handlers:
+    """Whose handlers are in place in this process. Used on the main thread only."""
+
+    def __init__(self) -> None:
+        self.active = 0
+        """How many contexts last."""
+        self._quiet_until_ns = 0
+        self._after_quiet: Mapping[int, Any] = {}
+
+    def install(self, stop: StopSignals) -> Mapping[int, Any]:
+        """Put the handlers of a run in place; return the handlers from before."""
+        self._end_quiet()
+        self.active += 1
+        return {
+            number: signal.signal(number, stop.handle)
+            for number in _SIGNALS
+            if number != _HANGUP or signal.getsignal(number) is not signal.SIG_IGN
+        }
+
+    def remove(self, before: Mapping[int, Any], *, is_quiet: bool) -> None:
+        """Put the handlers from before back, at once or after a second without signals."""
+        self.active -= 1
+        if is_quiet:
+            self._quiet_until_ns = _clock.monotonic_ns() + _QUIET_NS
+        if not is_quiet and not self._after_quiet:
+            _set(before)
+            return
+        self._after_quiet = before
+        _set(dict.fromkeys(before, self._ignore_for_now))
+
+    def ignore_to_the_end(self) -> None:
+        """Keep Python, which puts the system's handlers back when it ends, from doing so."""
+        if self._after_quiet and _clock.monotonic_ns() < self._quiet_until_ns:
+            _set(dict.fromkeys(self._after_quiet, signal.SIG_IGN))
+
+    def _end_quiet(self) -> None:
+        if self._after_quiet:
+            _set(self._after_quiet)
+            self._after_quiet = {}
+
+    def _ignore_for_now(self, signum: int, frame: FrameType | None) -> None:
+        if _clock.monotonic_ns() < self._quiet_until_ns:
+            return
+        handler = self._after_quiet.get(signum)
+        self._end_quiet()
+        if callable(handler):
+            handler(signum, frame)
+        elif handler is signal.SIG_DFL:
+            os.kill(os.getpid(), signum)
+
+
+def _set(handlers: Mapping[int, Any]) -> None:
+    for number, handler in handlers.items():
+        # None: a handler that Python did not install, and cannot put back.
+        if handler is not None:
+            signal.signal(number, handler)
+
+
+_handlers = _Handlers()
+atexit.register(_handlers.ignore_to_the_end)

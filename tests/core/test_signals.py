@@ -1,0 +1,224 @@
+"""SIGINT, SIGTERM and SIGHUP: what each wish does, wherever the program is."""
+
+import os
+import random
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase.runtime.stopping import Wishes
+from support.blocking_program import BLOCKING_PROGRAM
+from support.program import running
+
+# A campaign sets more.
+RUNS = int(os.environ.get("ROSBASE_SIGNAL_RUNS", "6"))
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+S = 1_000_000_000
+
+PLACES = [
+    *("handle", "handshake", "callback", "on_configure"),
+    *("event in handle", "join in handle", "recv in handle", "loop in handle", "spin in handle"),
+    *("loop in handshake", "spin in handshake", "native in handle", "stubborn in handle"),
+]
+
+
+@pytest.mark.parametrize("signum", SIGNALS)
+@pytest.mark.parametrize("place", PLACES)
+def test_a_signal_ends_code_that_blocks_and_the_whole_clean_up_runs(
+    place: str, signum: int, tmp_path: Path
+) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, place) as program:
+        program.read_until("blocking")
+        took_s, status, out, err = program.stop(signum)
+    assert (status, err.count("Traceback")) == (0, 0), err
+    assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
+    # Half a second of patience; code that cannot be interrupted takes its time.
+    assert took_s < (6.0 if place.startswith("native") else 2.0)
+
+
+def test_a_signal_ends_an_input_on_a_terminal(tmp_path: Path) -> None:
+    main, terminal = os.openpty()
+    try:
+        with running(tmp_path, BLOCKING_PROGRAM, "input in handle", stdin=terminal) as program:
+            program.read_until("blocking")
+            took_s, status, out, err = program.stop(signal.SIGINT)
+    finally:
+        os.close(main)
+        os.close(terminal)
+    assert (status, err.count("Traceback")) == (0, 0), err
+    assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
+    assert took_s < 2.0
+
+
+@pytest.mark.parametrize("signum", SIGNALS)
+@pytest.mark.parametrize("place", ["constructor", "own constructor"])
+def test_a_signal_in_a_constructor_undoes_it_and_ends_quietly(
+    place: str, signum: int, tmp_path: Path
+) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, place) as program:
+        program.read_until("blocking")
+        took_s, status, out, err = program.stop(signum)
+    assert (status, err) == (0, "")
+    # The camera whose own constructor blocked was never built.
+    assert out.splitlines() == (["camera released"] if place == "own constructor" else [])
+    assert took_s < 2.0
+
+
+@pytest.mark.parametrize("signum", [*SIGNALS, signal.SIGHUP])
+def test_a_signal_between_ticks_stops_at_once_and_cleans_up_quietly(
+    signum: int, tmp_path: Path
+) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "nowhere") as program:
+        program.read_until("running")
+        took_s, status, out, err = program.stop(signum)
+    assert (status, err) == (0, "")
+    assert out.splitlines() == ["arm shut down", "released", "returned"]
+    assert took_s < 0.5
+
+
+def test_a_second_signal_within_a_second_is_the_same_wish(tmp_path: Path) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "on_deactivate") as program:
+        program.read_until("running")
+        program.process.send_signal(signal.SIGTERM)
+        time.sleep(0.02)
+        took_s, status, out, err = program.stop(signal.SIGINT)
+    assert (status, err) == (0, "")
+    assert out.splitlines() == ["arm shut down", "released", "returned"]
+    assert took_s > 1.0
+
+
+def test_the_second_wish_ends_only_the_step_of_the_clean_up_that_blocks(tmp_path: Path) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "release") as program:
+        program.read_until("running")
+        program.process.send_signal(signal.SIGINT)
+        program.read_until("blocking")
+        time.sleep(1.1)
+        assert program.process.poll() is None
+        took_s, status, out, err = program.stop(signal.SIGINT)
+    assert status == 0
+    assert out.splitlines() == ["returned"]
+    assert "release_resources was interrupted by a signal" in err
+    assert "Traceback" not in err
+    assert took_s < 1.0
+
+
+def test_the_second_wish_raises_at_once(tmp_path: Path) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "stubborn in handle") as program:
+        program.read_until("blocking")
+        # It catches the first interrupt after half a second, and blocks again.
+        program.process.send_signal(signal.SIGINT)
+        time.sleep(1.05)
+        took_s, status, out, _ = program.stop(signal.SIGINT)
+    assert status == 0
+    assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
+    assert took_s < 0.5
+
+
+def test_the_third_wish_ends_the_process(tmp_path: Path) -> None:
+    source = BLOCKING_PROGRAM.replace("        time.sleep(100)\n\n\nclass Camera", STUBBORN)
+    with running(tmp_path, source, "release") as program:
+        program.read_until("running")
+        program.process.send_signal(signal.SIGTERM)
+        program.read_until("blocking")
+        for _ in range(2):
+            time.sleep(1.05)
+            assert program.process.poll() is None
+            program.process.send_signal(signal.SIGTERM)
+        status, out, _ = program.end()
+    assert status == 128 + signal.SIGTERM
+    assert "returned" not in out
+
+
+STUBBORN = """        while True:
+            try:
+                time.sleep(100)
+            except BaseException:
+                pass
+
+
+class Camera"""
+
+
+def test_signals_are_ignored_for_a_second_after_the_end_and_then_are_as_before(
+    tmp_path: Path,
+) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "after") as program:
+        program.read_until("running")
+        program.process.send_signal(signal.SIGINT)
+        program.read_until("returned")
+        program.process.send_signal(signal.SIGTERM)
+        program.read_until("still there")
+        time.sleep(0.7)
+        _, status, _, err = program.stop(signal.SIGINT)
+    assert status == -signal.SIGINT, "Python ends of a KeyboardInterrupt by that signal"
+    assert "KeyboardInterrupt" in err
+
+
+def test_a_signal_while_python_ends_after_a_signal_changes_nothing(tmp_path: Path) -> None:
+    source = "import atexit, time\natexit.register(time.sleep, 0.5)\n" + BLOCKING_PROGRAM
+    with running(tmp_path, source, "nowhere") as program:
+        program.read_until("running")
+        program.process.send_signal(signal.SIGTERM)
+        program.read_until("returned")
+        time.sleep(0.1)
+        _, status, _, err = program.stop(signal.SIGTERM)
+    assert (status, err) == (0, "")
+
+
+def test_a_thread_that_never_ends_is_named_and_the_manager_returns(tmp_path: Path) -> None:
+    with running(tmp_path, BLOCKING_PROGRAM, "thread") as program:
+        program.read_until("running")
+        took_s, status, out, err = program.stop(signal.SIGINT)
+    assert (status, out.splitlines()[-1]) == (0, "returned")
+    assert "thread 'logger of the arm' still runs" in err
+    assert took_s < 2.0
+
+
+@pytest.mark.parametrize("number", range(RUNS))
+def test_signals_at_random_moments_end_by_the_rules(number: int, tmp_path: Path) -> None:
+    rng = random.Random(number if RUNS > 6 else None)
+    place = rng.choice(["nowhere", "handle", "release", "on_deactivate", "handshake", "callback"])
+    gaps_s = [rng.choice([rng.uniform(0.001, 0.3), rng.uniform(0.001, 2.0)]) for _ in range(2)]
+    with running(tmp_path, BLOCKING_PROGRAM, place) as program:
+        first = "running" if place in ("nowhere", "release", "on_deactivate") else "blocking"
+        program.read_until(first)
+        sent: list[float] = []
+        for gap_s in [0.0, *gaps_s[: rng.choice([1, 2])]]:
+            time.sleep(gap_s)
+            if program.process.poll() is not None:
+                break
+            sent.append(time.monotonic())
+            program.process.send_signal(rng.choice(SIGNALS))
+        if place == "release" and program.process.poll() is None:
+            # This one ends by nothing else.
+            time.sleep(max(0.0, sent[0] + 1.3 - time.monotonic()))
+            program.process.send_signal(signal.SIGINT)
+            time.sleep(1.3)
+            if program.process.poll() is None:
+                program.process.send_signal(signal.SIGINT)
+        status, out, err = program.end()
+    assert "Traceback" not in err, (place, gaps_s)
+    if status == 0:
+        assert out.splitlines()[-1] == "returned", (place, gaps_s)
+        assert "arm shut down" in out
+    else:
+        assert status in {128 + number for number in SIGNALS}, (place, gaps_s)
+        assert len(sent) == 3 or place == "release", (place, gaps_s)
+
+
+@given(st.lists(st.integers(0, 3 * S), min_size=1))
+def test_wishes_are_at_least_a_second_apart_and_none_is_missed(gaps_ns: list[int]) -> None:
+    wishes, now_ns = Wishes(), 5
+    counted: list[int] = []
+    for gap_ns in gaps_ns:
+        now_ns += gap_ns
+        before = wishes.count
+        is_wish = wishes.add(now_ns)
+        assert is_wish is (wishes.count == before + 1)
+        assert is_wish is (not counted or now_ns - counted[-1] >= S)
+        if is_wish:
+            counted.append(now_ns)

@@ -1,0 +1,115 @@
+"""A program with every role, which blocks in the place that its argument names."""
+
+BLOCKING_PROGRAM = """
+import socket, sys, threading, time
+from rosbase import BaseHandlers, BaseManager, BaseNode, LifecycleNode, CallbackReturn
+from rosbase.messages import Header
+
+PLACE = sys.argv[1]
+
+
+def block():
+    print("blocking", flush=True)
+    if PLACE.startswith("input"):
+        input("name? ")
+    elif PLACE.startswith("event"):
+        threading.Event().wait()
+    elif PLACE.startswith("join"):
+        threading.Thread(target=time.sleep, args=(100,), daemon=True).start()
+        threading.enumerate()[-1].join()
+    elif PLACE.startswith("recv"):
+        left, right = socket.socketpair()
+        with left, right:
+            left.recv(1)
+    elif PLACE.startswith("loop"):
+        while True:
+            pass
+    elif PLACE.startswith("stubborn"):
+        for _ in range(2):
+            try:
+                time.sleep(100)
+            except BaseException:
+                pass
+    elif PLACE.startswith("native"):
+        sum(range(40_000_000))
+        time.sleep(100)
+    elif PLACE.startswith("spin"):
+        while True:
+            manager.backend.spin_once(0.1)
+    else:
+        time.sleep(100)
+
+
+class Camera(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.create_subscription(Header, "image", self.keep, 1)
+        self.create_publisher(Header, "image", 1).publish(Header())
+        if PLACE == "constructor":
+            block()
+
+    def keep(self, message):
+        if PLACE == "callback":
+            block()
+
+    def release_resources(self):
+        print("camera released", flush=True)
+
+
+class Arm(LifecycleNode):
+    autostart = "activate"
+
+    def on_configure(self, state):
+        if PLACE == "on_configure":
+            block()
+        return CallbackReturn.SUCCESS
+
+    def on_deactivate(self, state):
+        if PLACE == "on_deactivate":
+            time.sleep(1.5)
+        return CallbackReturn.SUCCESS
+
+    def on_shutdown(self, state):
+        print("arm shut down", flush=True)
+        return CallbackReturn.SUCCESS
+
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        if PLACE.endswith("handle"):
+            block()
+        if self.timestamp == 0:
+            print("running", flush=True)
+            if PLACE == "thread":
+                threading.Thread(target=time.sleep, args=(100,), name="logger of the arm").start()
+
+
+class App(BaseManager):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        if PLACE == "own constructor":
+            block()
+
+    def handshake(self):
+        if PLACE.endswith("handshake"):
+            block()
+        return super().handshake()
+
+    def release_resources(self):
+        if PLACE == "release":
+            block()
+        print("released", flush=True)
+
+
+print("building", flush=True)
+manager = App(nodes_dict={"camera": Camera, "arm": Arm}, handlers_class=Handlers)
+manager.start_main_loop_timer()
+print("returned", flush=True)
+if PLACE == "thread":
+    import os
+    os._exit(0)
+if PLACE == "after":
+    time.sleep(0.5)
+    print("still there", flush=True)
+    time.sleep(100)
+"""
