@@ -7,7 +7,8 @@ May implement, where the world has more to it than this process: `delivers_in_pr
 `log_handler`, `expose_lifecycle`, `imu_sender`, `create_timer`, `destroy_timer`. May set, before
 the constructor returns: `node_name`, `clock`.
 
-Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`.
+Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`,
+`is_in_virtual_time`.
 
 `rosbase.testing.backend_contract` checks all of this. What a backend can do that not every one can
 is declared there, not guessed.
@@ -156,11 +157,8 @@ class Backend(ABC):
         What it raises is raised here."""
         self.spin_until = self.executor.spin_until
         """Handles callbacks as they come, until a deadline on the monotonic clock."""
-
-    @property
-    def is_in_virtual_time(self) -> bool:
+        self.is_in_virtual_time = not isinstance(clock, SystemClock)
         """Whether deadlines are those of a test's clock, not of this machine's."""
-        return not isinstance(self.executor.clock, SystemClock)
 
     @abstractmethod
     def create_publisher(
