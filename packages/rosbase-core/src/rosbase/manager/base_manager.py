@@ -3,12 +3,13 @@
 import inspect
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.manager.bringup import bring_up, take_down
+from rosbase.manager.building import build, find_untaken
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
@@ -19,6 +20,7 @@ from rosbase.processes import (
     shutdown_unclaimed,
 )
 from rosbase.roles.agent import BaseAgent
+from rosbase.roles.callables import check_methods
 from rosbase.roles.connection import open_backend
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.handlers import BaseHandlers
@@ -26,16 +28,16 @@ from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
 from rosbase.roles.shutdown import name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
-from rosbase.runtime.stopping import StopSignals, stop_on_signals
+from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
 # Programs written for ros_base import the two functions from here.
 __all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_nodes"]
 
-ComponentT = TypeVar("ComponentT")
-
 _HANDSHAKE_SLICE_NS = 100_000_000
 # Most waits are over before anybody wonders.
 _FIRST_REPORT_S = 1.0
+# In virtual time a minute takes no time, and a test should not wait for ever.
+_VIRTUAL_HANDSHAKE_S = 60.0
 _PENDING_REPORT_S = 5.0
 _LOG_FREQ_NS = 1_000_000_000
 
@@ -82,11 +84,14 @@ class BaseManager(Constructed):
             log_freq: Whether the measured rate is logged, once a second.
             args: Forwarded to every component as they are.
             backend: By name or ready made; by default what `ROSBASE_BACKEND` says, else `local`.
-            handshake_timeout: Seconds after which a handshake that does not succeed is an error.
+            handshake_timeout: Seconds after which a handshake that does not succeed is an error;
+                by default never, and a minute in virtual time.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
 
         Raises:
+            TypeError: An instance stands for a class; or a constructor does not call the one of its
+                base class; or `handle` is async or a generator.
             ValueError: The rate is not a positive number of hertz, or the time-out not one of
                 seconds.
             NotInstalledError: No backend of that name can be used.
@@ -128,6 +133,7 @@ class BaseManager(Constructed):
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
+        self.key_being_built = ""
         self.handlers: BaseHandlers | None = None
         self.loop_stats = LoopStats()
         self._handshake = Handshake(self.logger)
@@ -155,12 +161,24 @@ class BaseManager(Constructed):
         args: tuple[Any, ...],
         kwargs: dict[str, Any],
     ) -> None:
+        components = [*(nodes_dict or {}).values(), *(agents_dict or {}).values(), handlers_class]
+        own = inspect.signature(BaseManager).parameters
+        for name, similar in find_untaken(kwargs, [type(self), *components], own).items():
+            hint = f"; did you mean {similar}?" if similar else ""
+            self.logger.warning(f"nothing takes the keyword argument {name}{hint}")
+
+        def build_one(component: Any, where: str, key: str) -> Any:
+            self.key_being_built = key
+            return build(component, where, self, args, kwargs)
+
         for name, node_class in (nodes_dict or {}).items():
-            self.nodes[name] = self._build(node_class, args, kwargs)
+            self.nodes[name] = build_one(node_class, f"nodes_dict[{name!r}]", name)
         for name, agent_class in (agents_dict or {}).items():
-            self.agents[name] = self._build(agent_class, args, kwargs)
+            self.agents[name] = build_one(agent_class, f"agents_dict[{name!r}]", name)
         if handlers_class is not None:
-            self.handlers = self._build(handlers_class, args, kwargs)
+            self.handlers = build_one(handlers_class, "handlers_class", "")
+            check_methods(self.handlers, ("handle",))
+        self.key_being_built = ""
 
     # What users override.
 
@@ -227,7 +245,8 @@ class BaseManager(Constructed):
         )
         if self.backend.is_in_virtual_time:
             # The signals of a test are its runner's.
-            self._run(processes, None)
+            with limit_real_time(self.backend.executor.clock, self.backend.call_soon):
+                self._run(processes, None)
             return
         with stop_on_signals(self.request_stop, self.backend.call_soon) as stop:
             self._run(processes, stop)
@@ -266,13 +285,6 @@ class BaseManager(Constructed):
         """Ends the connection of this manager. The main loop does it; harmless when done."""
         self.backend.close()
 
-    def _build(
-        self, component: Callable[..., ComponentT], args: tuple[Any, ...], kwargs: dict[str, Any]
-    ) -> ComponentT:
-        # By name, because components may take it from their keyword arguments; but Python
-        # has no place for positional ones after a named first.
-        return component(self, *args, **kwargs) if args else component(manager=self, **kwargs)
-
     def _claim(self, processes: ChildProcesses | None) -> None:
         if isinstance(processes, ChildProcesses):
             self._processes = processes
@@ -302,14 +314,26 @@ class BaseManager(Constructed):
     def _wait_for_handshake(self) -> None:
         clock = self.backend.clock
         start_ns = clock.monotonic_ns()
+        timeout_s = self._handshake_timeout_s
+        if timeout_s is None and self.backend.is_in_virtual_time:
+            timeout_s = _VIRTUAL_HANDSHAKE_S
         while not self._stop_requests and self.handshake() is False:
             pending = ", ".join(self._handshake.pending) or "the manager's own handshake"
             waited_s = (clock.monotonic_ns() - start_ns) / 1e9
-            if self._handshake_timeout_s is not None and waited_s >= self._handshake_timeout_s:
-                raise HandshakeTimeoutError(f"after {waited_s:.1f} s still waiting for: {pending}")
+            if timeout_s is not None and waited_s >= timeout_s:
+                later = self._not_active_yet()
+                raise HandshakeTimeoutError(
+                    f"after {waited_s:.1f} s still waiting for: {pending}{later}"
+                )
             if waited_s >= _FIRST_REPORT_S:
-                self.logger.log_throttle(f"waiting for: {pending}", _PENDING_REPORT_S)
+                later = self._not_active_yet()
+                self.logger.log_throttle(f"waiting for: {pending}{later}", _PENDING_REPORT_S)
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
+
+    def _not_active_yet(self) -> str:
+        """A hint for a rule that waits for what a lifecycle node does once it is active."""
+        names = ", ".join(node._label for node in self._lifecycle_nodes())
+        return f" (brought up only after the handshake: {names})" if names else ""
 
     def _look_after(self) -> None:
         self.loop_stats.digest_if_many()

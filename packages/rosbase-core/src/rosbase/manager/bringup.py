@@ -20,9 +20,23 @@ def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> 
         if stopping():
             return False
         if not node.bring_up(stopping):
+            if not stopping():
+                _name_the_rest(nodes, index)
             _take_down(nodes[: index + 1], finalize=False)
             return False
     return True
+
+
+def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int) -> None:
+    def names(some: Iterable[LifecycleNode]) -> str:
+        return ", ".join(node._label for node in some)
+
+    text = f"{nodes[failed]._label} was not brought up"
+    if failed:
+        text += f"; taken down again: {names(reversed(nodes[:failed]))}"
+    if nodes[failed + 1 :]:
+        text += f"; not tried: {names(nodes[failed + 1 :])}"
+    nodes[failed].logger.error(text)
 
 
 def take_down(nodes: Iterable[LifecycleNode]) -> None:
@@ -39,7 +53,7 @@ def _take_down(nodes: Iterable[LifecycleNode], *, finalize: bool) -> None:
         try:
             node.take_down(finalize=finalize)
         except BaseException as error:
-            node.logger.error(f"{type(node).__name__} could not be taken down: {error!r}")
+            node.logger.error(f"{node._label} could not be taken down: {error!r}")
             failure = failure or error
     if failure is not None:
         raise failure

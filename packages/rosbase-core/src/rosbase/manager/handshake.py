@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from rosbase.logger import RosbaseLogger
+from rosbase.roles.callables import check_callback
 
 __all__ = ["Handshake"]
 
@@ -21,10 +22,9 @@ class Handshake:
         """Adds a rule; the name is what a waiting user reads.
 
         Raises:
-            TypeError: The predicate cannot be called.
+            TypeError: The predicate cannot be called, or is async or a generator.
         """
-        if not callable(predicate):
-            raise TypeError(f"handshake rule '{name}' takes a function, not {predicate!r}")
+        check_callback(predicate, f"handshake rule '{name}'")
         self._rules.append((name, predicate))
 
     def ask(self) -> bool:

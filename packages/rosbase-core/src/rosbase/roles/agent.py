@@ -20,7 +20,10 @@ class BaseAgent(Component, ABC):
 
     @abstractmethod
     def reset(self) -> None:
-        """Called to start afresh. Forget what has been computed so far."""
+        """Forget what has been computed so far.
+
+        rosbase never calls it: your program does, for example before each task or each test.
+        """
 
     def close(self) -> None:
         """Called by programs whose `release_resources` closes all agents. Release what it holds."""

@@ -16,6 +16,8 @@ class ManagerContext(Protocol):
     """By name, in order of registration; grows while components are built."""
     agents: dict[str, Any]
     """By name, as `nodes`."""
+    key_being_built: str
+    """The name, in `nodes` or `agents`, of the component that is being built; or empty."""
     node_freq_hz: float
     state: str | None
     timestamp: int
@@ -24,9 +26,32 @@ class ManagerContext(Protocol):
 class Component:
     """What nodes, agents and handlers have in common: they know their manager, or do without."""
 
+    _is_initialised = False
+    """Whether the constructor of this class has run."""
+
     def __init__(self, manager: ManagerContext | None) -> None:
         # Any: programs reach for what their own manager class adds.
         self.manager: Any = manager
+        self._key = str(getattr(manager, "key_being_built", ""))
+        self._is_initialised = True
+
+    def __getattr__(self, name: str) -> Any:
+        """Say what is wrong where a constructor uses what it has not made yet.
+
+        Raises:
+            AttributeError: Always; Python asks here only for what is not there.
+        """
+        if not self._is_initialised and name in ("manager", "logger", "_backend"):
+            raise AttributeError(
+                f"{type(self).__name__}.__init__ must first call "
+                "super().__init__(manager, *args, **kwargs)"
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    @property
+    def _label(self) -> str:
+        """What the log calls it: its key at the manager, or its class."""
+        return self._key or type(self).__name__
 
     @property
     def nodes(self) -> dict[str, Any]:

@@ -57,6 +57,10 @@ class LifecycleNode(BaseNode):
     Whoever answers FAILURE leaves the reason in `last_error`, to be logged. Raising is
     ERROR. One transition runs at a time; requests for another, or for one that does not
     start at the present state, are refused and change nothing.
+
+    Publishers send only while the node is active. Subscriptions and timers run in every state,
+    as in rclpy: a callback that should do nothing while the node is inactive looks at
+    `get_state()`, or is created in `on_activate` and destroyed in `on_deactivate`.
     """
 
     autostart: Autostart = "none"
@@ -186,7 +190,9 @@ class LifecycleNode(BaseNode):
                 self._transition_lock.release()
             else:
                 label = self._machine.state.label
-                self.logger.error(f"still {label} after {_TRANSITION_PATIENCE_S:g} s")
+                self.logger.error(
+                    f"{self._label} is still {label} after {_TRANSITION_PATIENCE_S:g} s"
+                )
         steps = ((State.ACTIVE, "deactivate"), (State.INACTIVE, "cleanup"))
         failure: BaseException | None = None
         for state, label in (*steps, (None, "shutdown")):
@@ -211,8 +217,10 @@ class LifecycleNode(BaseNode):
         """
 
         def begin() -> TransitionEvent:
+            previous = self._machine.state
             event = self._machine.raise_error()
             self.last_error = error
+            self.logger.error(f"{self._prefix}error in {previous.label}: {_described(error)}")
             return event
 
         return self._drive(begin)
@@ -243,6 +251,12 @@ class LifecycleNode(BaseNode):
     def _end(self) -> None:
         self.take_down(finalize=True)
 
+    @property
+    def _prefix(self) -> str:
+        """Who speaks, where the logger is the manager's."""
+        is_managers = self.manager is not None and self._label != self.manager.backend.node_name
+        return f"{self._label}: " if is_managers else ""
+
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._transition_lock.acquire(blocking=False):
             raise TransitionNotAvailableError("another transition is under way")
@@ -256,9 +270,11 @@ class LifecycleNode(BaseNode):
             answer = self._call_back()
             self._note(self._machine.finish(answer))
             if answer is CallbackReturn.FAILURE:
-                reason = self.last_error if self.last_error is not known_error else "no reason"
+                reason = self._reason(known_error)
                 state = self._machine.state.label
-                self.logger.error(f"{event.transition.label} failed, now {state}: {reason}")
+                self.logger.error(
+                    f"{self._prefix}{event.transition.label} failed, now {state}: {reason}"
+                )
             if self._machine.state is State.ERRORPROCESSING:
                 self._note(self._machine.finish(self._call_back()))
             interrupt = self._interrupt
@@ -271,18 +287,25 @@ class LifecycleNode(BaseNode):
 
     def _call_back(self) -> CallbackReturn:
         """Runs the callback of the present state; gives its answer."""
-        name = CALLBACKS[self._machine.state]
+        name, known_error = CALLBACKS[self._machine.state], self.last_error
         try:
             answer = getattr(self, name)(self._machine.previous_state)
         except BaseException as error:
             self.last_error = error
             self._report(name, error)
             return CallbackReturn.ERROR
+        if answer is CallbackReturn.ERROR:
+            self.logger.error(f"{self._prefix}{name} answered ERROR: {self._reason(known_error)}")
         if isinstance(answer, CallbackReturn):
             return answer
         self.last_error = TypeError(f"{name} must return a CallbackReturn, not {answer!r}")
-        self.logger.error(str(self.last_error))
+        self.logger.error(f"{self._prefix}{self.last_error}")
         return CallbackReturn.ERROR
+
+    def _reason(self, known_error: BaseException | None) -> object:
+        """What a callback left in `last_error`."""
+        is_new = self.last_error is not known_error and self.last_error is not None
+        return self.last_error if is_new else "no reason (set last_error to give one)"
 
     def _note(self, event: TransitionEvent) -> None:
         is_active = event.goal is State.ACTIVE
@@ -296,6 +319,10 @@ class LifecycleNode(BaseNode):
 
     def _report(self, who: str, error: BaseException) -> None:
         if isinstance(error, Exception):
-            self.logger.error(f"{who} raised {type(error).__name__}: {error}", exc_info=error)
+            self.logger.error(f"{self._prefix}{who} raised {_described(error)}", exc_info=error)
         else:
             self._interrupt = self._interrupt or error
+
+
+def _described(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"

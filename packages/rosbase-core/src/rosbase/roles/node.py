@@ -8,11 +8,12 @@ from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscr
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
 from rosbase.qos import QoSProfile
+from rosbase.roles.callables import check_callback
 from rosbase.roles.connection import lone_node_name, open_backend
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.shutdown import run_steps
-from rosbase.runtime.stopping import StopSignals, stop_on_signals
+from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
 __all__ = ["BaseNode"]
 
@@ -76,11 +77,20 @@ class BaseNode(Constructed, Component):
         """Has `callback(message)` called on the main-loop thread.
 
         As many messages as the depth says wait for it; older ones are dropped and counted.
+
+        Raises:
+            TypeError: The callback cannot be called, or is async or a generator.
         """
+        check_callback(callback, f"the subscription to {topic}")
         return self._backend.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
-        """Has `callback()` called on the main-loop thread, every so many seconds."""
+        """Has `callback()` called on the main-loop thread, every so many seconds.
+
+        Raises:
+            TypeError: The callback cannot be called, or is async or a generator.
+        """
+        check_callback(callback, "a timer")
         return self._backend.create_timer(timer_period_sec, callback)
 
     def destroy_publisher(self, publisher: Publisher) -> None:
@@ -132,7 +142,8 @@ class BaseNode(Constructed, Component):
             raise RuntimeError("a node with a manager is run by the manager")
         if self._backend.is_in_virtual_time:
             # The signals of a test are its runner's.
-            self._run(None)
+            with limit_real_time(self._backend.executor.clock, self._backend.call_soon):
+                self._run(None)
             return
         with stop_on_signals(self._request_stop, self._backend.call_soon) as stop:
             self._run(stop)

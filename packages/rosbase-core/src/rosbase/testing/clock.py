@@ -20,10 +20,22 @@ class ManualClock:
     Where something never waits, such as two nodes that answer each other's every message, time
     never goes on. After some millions of looks at the clock that is a RuntimeError; call
     `advance` in one of the callbacks, as if it took its time.
+
+    A run that takes longer than `real_limit_s` is a TimeoutError that says where it hangs.
     """
 
-    def __init__(self, now_ns: int = 1_700_000_000_000_000_000) -> None:
-        """Starts at that date, in nanoseconds since the Unix epoch; it has been running for 0 s."""
+    def __init__(
+        self, now_ns: int = 1_700_000_000_000_000_000, *, real_limit_s: float | None = 6.0
+    ) -> None:
+        """Start the clock.
+
+        Args:
+            now_ns: The date in nanoseconds since the Unix epoch.
+            real_limit_s: How long a run on this clock may take in real time, in seconds; None for
+                no limit.
+        """
+        self.real_limit_s = real_limit_s
+        """How long a run may take in real time, in seconds."""
         self.date_ns = now_ns
         """The date at which the clock was started. Set it to step the date, as NTP may."""
         self.elapsed_ns = 0

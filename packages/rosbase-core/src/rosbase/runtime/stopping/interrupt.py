@@ -11,11 +11,11 @@ import sys
 import threading
 from collections.abc import Callable
 from types import FrameType
-from typing import Any
+from typing import Any, TypeAlias
 
 from rosbase.clock import SystemClock
 
-__all__ = ["Interrupt"]
+__all__ = ["Defer", "Interrupt", "is_user_code"]
 
 # Windows has neither this signal nor `pthread_kill`: there, blocking code is waited for.
 _KNOCK = getattr(signal, "SIGURG", None)
@@ -23,7 +23,7 @@ _RETRY_S = 0.01
 _REPEAT_S = 0.5
 _DRAIN_TRIES = 100
 
-Defer = Callable[[Callable[[], object]], object]
+Defer: TypeAlias = Callable[[Callable[[], object]], object]
 
 
 class Interrupt:
@@ -85,7 +85,7 @@ class Interrupt:
         """Raise if it is due and the frame is user code's. Called by signal handlers."""
         if self._due_ns is None or self._clock.monotonic_ns() < self._due_ns:
             return
-        if not _is_user_code(frame):
+        if not is_user_code(frame):
             if self._defer is not None and not self._is_deferred:
                 self._is_deferred = True
                 self._defer(self._raise_if_due)
@@ -122,13 +122,18 @@ class Interrupt:
                     signal.pthread_kill(main, _KNOCK)
 
 
-def _is_user_code(frame: FrameType | None) -> bool:
-    """Whether the innermost frame that is not the standard library's is not rosbase's."""
+def is_user_code(frame: FrameType | None, *, innermost: bool = False) -> bool:
+    """Tell whether the innermost frame that is not the standard library's is not rosbase's.
+
+    Args:
+        frame: Where to begin.
+        innermost: Whether to look at this frame alone.
+    """
     while frame is not None:
         package = str(frame.f_globals.get("__name__", "")).partition(".")[0]
         if package == "rosbase" or package.startswith("rosbase_"):
             return False
         if package not in sys.stdlib_module_names:
             return True
-        frame = frame.f_back
+        frame = None if innermost else frame.f_back
     return False

@@ -1,0 +1,84 @@
+"""Building components: what is given for a class, and whether its constructor did its part."""
+
+import difflib
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from types import CodeType
+from typing import Any, TypeVar
+
+from rosbase.roles.context import Component
+
+__all__ = ["build", "find_untaken"]
+
+ComponentT = TypeVar("ComponentT")
+
+
+def build(
+    component: Callable[..., ComponentT],
+    where: str,
+    manager: object,
+    args: tuple[Any, ...],
+    kwargs: Mapping[str, Any],
+) -> ComponentT:
+    """Build a component of a manager.
+
+    Args:
+        component: Its class, or a function that makes one.
+        where: Where the program names it, for errors, such as `nodes_dict['camera']`.
+        manager: Given to it as `manager`.
+        args: Forwarded as they are.
+        kwargs: Forwarded as they are.
+
+    Raises:
+        TypeError: It is an instance instead of a class; or its constructor does not call
+            `super().__init__`.
+    """
+    if isinstance(component, Component):
+        name = type(component).__name__
+        raise TypeError(f"{where} is an instance of {name}; give the class, {name}")
+    if not callable(component):
+        raise TypeError(f"{where} is {component!r}; give a class")
+    # By name, because components may take it from their keyword arguments; but Python
+    # has no place for positional ones after a named first.
+    built = component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)
+    if isinstance(built, Component) and not built._is_initialised:
+        name = type(built).__name__
+        raise TypeError(f"{name}.__init__ does not call super().__init__(manager, *args, **kwargs)")
+    return built
+
+
+def find_untaken(
+    names: Iterable[str], classes: Iterable[object], own: Iterable[str]
+) -> dict[str, str]:
+    """Find keyword arguments that no constructor names: most likely they are misspelt.
+
+    Args:
+        names: The keyword arguments.
+        classes: What they are forwarded to.
+        own: The parameters of the manager itself.
+
+    Returns:
+        For each such argument, a similar name that something takes; empty if there is none.
+    """
+    known = set(own)
+    for one in classes:
+        for home in inspect.getmro(one) if inspect.isclass(one) else (one,):
+            init: Any = home.__dict__.get("__init__") if inspect.isclass(home) else home
+            known |= _names_in(getattr(inspect.unwrap(init), "__code__", None) if init else None)
+    untaken = [name for name in names if name not in known]
+    similar = {name: difflib.get_close_matches(name, known, 1, 0.75) for name in untaken}
+    return {name: found[0] if found else "" for name, found in similar.items()}
+
+
+def _names_in(code: CodeType | None) -> set[str]:
+    """Parameters, and texts such as in `kwargs.get("goal")`."""
+    if code is None:
+        return set()
+    count = code.co_argcount + code.co_kwonlyargcount
+    names = {*code.co_varnames[:count]}
+    for constant in code.co_consts:
+        if isinstance(constant, str):
+            names.add(constant)
+        elif isinstance(constant, CodeType):
+            names |= _names_in(constant)
+    return names

@@ -1,0 +1,51 @@
+"""Which functions rosbase can call back, and which classes it can build: one clear line if not."""
+
+import inspect
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+__all__ = ["check_callback", "check_methods"]
+
+
+def check_callback(callback: object, what: str) -> None:
+    """Refuse what rosbase cannot call, or whose body would never run.
+
+    Calling a coroutine or generator function only makes an object; rosbase runs no event loop.
+
+    Raises:
+        TypeError: It is not callable, or a coroutine or generator function.
+    """
+    if not callable(callback):
+        raise TypeError(f"{what} takes a function, not {callback!r}")
+    function: Any = callback
+    while isinstance(function, partial):
+        function = function.func
+    if not (inspect.isroutine(function) or inspect.isclass(function)):
+        function = type(function).__call__
+    if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
+        raise TypeError(
+            f"{what}: {_name(callback)} is async, and rosbase awaits nothing; "
+            "use a plain function, and asyncio in a thread of its own"
+        )
+    if inspect.isgeneratorfunction(function):
+        raise TypeError(
+            f"{what}: {_name(callback)} is a generator (it has a `yield`): "
+            "calling it would run nothing"
+        )
+
+
+def check_methods(component: object, names: tuple[str, ...]) -> None:
+    """Refuse a component with a method that rosbase calls and that would never run.
+
+    Raises:
+        TypeError: One is a coroutine or generator function.
+    """
+    for name in names:
+        method = getattr(component, name, None)
+        if method is not None:
+            check_callback(method, f"{type(component).__name__}.{name}")
+
+
+def _name(callback: Callable[..., object]) -> str:
+    return str(getattr(callback, "__qualname__", repr(callback)))

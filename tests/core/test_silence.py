@@ -1,0 +1,322 @@
+"""What used to go wrong without a word is said in one line."""
+
+import functools
+import re
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rosbase import (
+    BaseAgent,
+    BaseHandlers,
+    BaseManager,
+    BaseNode,
+    CallbackReturn,
+    LifecycleNode,
+    State,
+)
+from rosbase.errors import HandshakeTimeoutError
+from rosbase.messages import Header
+from rosbase.testing import virtual_backend
+from support.roles import StopAfter
+
+
+class Device(LifecycleNode):
+    autostart = "activate"
+
+
+class Broken(Device):
+    def on_activate(self, previous_state: State) -> CallbackReturn:
+        self.last_error = OSError("no current")
+        return CallbackReturn.ERROR
+
+
+def run(nodes: dict[str, type[BaseNode]], handlers: type[BaseHandlers] = StopAfter) -> BaseManager:
+    manager = BaseManager("robot", nodes, None, handlers, backend=virtual_backend())
+    manager.start_main_loop_timer()
+    return manager
+
+
+def test_an_error_that_a_callback_answers_is_logged_with_node_and_reason(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    run({"arm": Broken})
+    assert "arm: on_activate answered ERROR: no current" in caplog.messages
+
+
+def test_an_error_without_a_reason_says_how_to_give_one(caplog: pytest.LogCaptureFixture) -> None:
+    class Silent(Device):
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            return CallbackReturn.ERROR
+
+    run({"arm": Silent})
+    expected = "arm: on_configure answered ERROR: no reason (set last_error to give one)"
+    assert expected in caplog.messages
+
+
+def test_a_raised_error_is_logged_with_node_state_and_reason(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class Handlers(StopAfter):
+        def handle(self) -> None:
+            if self.timestamp == 1:
+                self.nodes["arm"].raise_error(RuntimeError("the belt is torn"))
+            super().handle()
+
+    run({"arm": Device}, Handlers)
+    assert "arm: error in active: RuntimeError: the belt is torn" in caplog.messages
+
+
+def test_nodes_that_were_not_brought_up_because_another_failed_are_named(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    run({"a": Device, "b": Device, "c": Broken, "d": Device, "e": Device})
+    expected = "c was not brought up; taken down again: b, a; not tried: d, e"
+    assert expected in caplog.messages
+
+
+def test_a_rule_that_waits_for_a_node_which_is_not_active_yet_says_so() -> None:
+    manager = BaseManager(nodes_dict={"camera": Device}, backend=virtual_backend())
+    manager.add_handshake_rule("first image", lambda: False)
+    expected = "still waiting for: first image (brought up only after the handshake: camera)"
+    with pytest.raises(HandshakeTimeoutError, match=re.escape(expected)):
+        manager.start_main_loop_timer()
+
+
+def test_subscriptions_and_timers_of_a_lifecycle_node_run_in_every_state() -> None:
+    calls: list[str] = []
+
+    class Listens(LifecycleNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.create_subscription(Header, "image", lambda _: calls.append("message"), 10)
+            self.create_timer(0.01, lambda: calls.append("timer"))
+            manager.backend.create_publisher(Header, "image", 10).publish(Header())
+
+    manager = run({"eye": Listens})
+    assert manager.nodes["eye"].get_state() is State.FINALIZED
+    assert {"message", "timer"} <= set(calls)
+
+
+async def coroutine(*_: object) -> None: ...
+
+
+def generator(*_: object) -> Any:
+    yield
+
+
+async def stream(*_: object) -> Any:
+    yield
+
+
+class Waits:
+    async def __call__(self, *_: object) -> None: ...
+
+
+NEVER_RUN: list[Any] = [coroutine, generator, stream, functools.partial(coroutine, 1), Waits()]
+
+
+@pytest.mark.parametrize("callback", NEVER_RUN, ids=lambda c: getattr(c, "__name__", repr(c)[:12]))
+@pytest.mark.parametrize("kind", ["subscription", "timer", "rule"])
+def test_a_callback_that_would_never_run_is_refused_when_it_is_created(
+    kind: str, callback: Any
+) -> None:
+    manager = BaseManager(nodes_dict={"n": BaseNode}, backend=virtual_backend())
+    node: BaseNode = manager.nodes["n"]
+    create: dict[str, Callable[[], object]] = {
+        "subscription": lambda: node.create_subscription(Header, "image", callback, 1),
+        "timer": lambda: node.create_timer(0.1, callback),
+        "rule": lambda: manager.add_handshake_rule("ready", callback),
+    }
+    with pytest.raises(TypeError, match=r"is async|is a generator"):
+        create[kind]()
+    manager.destroy_node()
+
+
+@pytest.mark.parametrize("callback", [None, "keep", 3])
+def test_what_cannot_be_called_is_refused_when_it_is_created(callback: Any) -> None:
+    manager = BaseManager(nodes_dict={"n": BaseNode}, backend=virtual_backend())
+    with pytest.raises(TypeError, match="the subscription to image takes a function"):
+        manager.nodes["n"].create_subscription(Header, "image", callback, 1)
+    manager.destroy_node()
+
+
+def test_handlers_whose_handle_is_async_are_refused() -> None:
+    class Handlers(BaseHandlers):
+        async def handle(self) -> None:  # type: ignore[override]
+            ...
+
+    with pytest.raises(TypeError, match=r"Handlers\.handle: .* is async"):
+        BaseManager(handlers_class=Handlers, backend=virtual_backend())
+
+
+class Goes(BaseHandlers):
+    def __init__(self, manager: Any = None, *, goal: float = 0.0, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        self.speed = kwargs.get("speed", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("argument", "said"),
+    [
+        ("hanshake_timeout", "; did you mean handshake_timeout?"),
+        ("gaol", "; did you mean goal?"),
+        ("colour", ""),
+        ("sped", "; did you mean speed?"),
+    ],
+)
+def test_a_keyword_argument_that_nothing_takes_is_named(
+    argument: str, said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    values: dict[str, Any] = {argument: 1}
+    BaseManager(handlers_class=Goes, backend=virtual_backend(), **values).destroy_node()
+    assert caplog.messages == [f"nothing takes the keyword argument {argument}{said}"]
+
+
+def test_keyword_arguments_that_something_takes_are_not_named(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class App(BaseManager):
+        def __init__(self, *, lens: str, **kwargs: Any) -> None:
+            super().__init__(lens=lens, **kwargs)
+
+    values: dict[str, Any] = {"goal": 1.0, "speed": 2.0, "lens": "wide"}
+    App(handlers_class=Goes, backend=virtual_backend(), **values).destroy_node()
+    assert caplog.messages == []
+
+
+def test_an_instance_given_for_a_class_is_one_clear_line() -> None:
+    class Planner(BaseAgent):
+        def reset(self) -> None: ...
+
+    planner: Any = Planner()
+    with pytest.raises(
+        TypeError,
+        match=r"^agents_dict\['plan'\] is an instance of Planner; give the class, Planner$",
+    ):
+        BaseManager(agents_dict={"plan": planner}, backend=virtual_backend())
+
+
+def test_what_is_no_class_at_all_is_named() -> None:
+    nodes: Any = {"eye": "Camera"}
+    with pytest.raises(TypeError, match=r"nodes_dict\['eye'\] is 'Camera'; give a class"):
+        BaseManager(nodes_dict=nodes, backend=virtual_backend())
+
+
+class Forgets(BaseNode):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        self.image = None
+
+
+class ForgetsAndUses(BaseNode):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        self.create_publisher(Header, "image", 1)
+
+
+class ForgetsAndLogs(BaseHandlers):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        self.logger.info("here")
+
+
+@pytest.mark.parametrize("forgetful", [Forgets, ForgetsAndUses, ForgetsAndLogs])
+def test_a_missing_call_of_the_base_constructor_is_one_clear_line(forgetful: Any) -> None:
+    where = {"handlers_class": forgetful}
+    if issubclass(forgetful, BaseNode):
+        where = {"nodes_dict": {"eye": forgetful}}
+    with pytest.raises(
+        (TypeError, AttributeError), match=rf"{forgetful.__name__}.__init__ .*super"
+    ):
+        BaseManager(backend=virtual_backend(), **where)
+
+
+def test_what_a_component_lacks_is_said_as_python_says_it() -> None:
+    node = BaseNode(backend=virtual_backend())
+    with pytest.raises(AttributeError, match="'BaseNode' object has no attribute 'imgae'"):
+        node.imgae  # noqa: B018
+    node.destroy_node()
+
+
+HANGS = """
+import time
+from rosbase import BaseHandlers, BaseManager, BaseNode
+from rosbase.messages import Header
+from rosbase.testing import virtual_backend
+
+class Echo(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.out = self.create_publisher(Header, "ball", 1)
+        self.create_subscription(Header, "ball", lambda ball: self.out.publish(ball), 1)
+        self.out.publish(Header())
+
+class Sleeps(BaseHandlers):
+    def handle(self):
+        time.sleep(1000)
+
+def manager(**more):
+    return BaseManager(backend=virtual_backend(), **more)
+
+def test_handshake():
+    app = manager()
+    app.add_handshake_rule("first image", lambda: False)
+    app.start_main_loop_timer()
+
+def test_feeding():
+    manager(nodes_dict={"a": Echo, "b": Echo}).start_main_loop_timer()
+
+def test_endless():
+    manager(handlers_class=BaseHandlers).start_main_loop_timer()
+
+def test_sleep():
+    manager(handlers_class=Sleeps).start_main_loop_timer()
+"""
+
+REASONS = {
+    "handshake": "HandshakeTimeoutError: after 60.0 s still waiting for: first image",
+    "feeding": "virtual time stands still|TimeoutError: after 6 s of real time",
+    "endless": "TimeoutError: after 6 s of real time .*: nobody stops it",
+    "sleep": r"TimeoutError: after 6 s of real time .*: Sleeps.handle is running \(.*:16\)",
+}
+
+
+def pytest_process(folder: Path, name: str) -> "subprocess.Popen[str]":
+    (folder / "test_hangs.py").write_text(textwrap.dedent(HANGS))
+    return subprocess.Popen(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:timeout", "-k", name, "test_hangs.py"],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize("name", list(REASONS))
+def test_a_test_that_hangs_in_virtual_time_fails_with_a_reason(name: str, tmp_path: Path) -> None:
+    with pytest_process(tmp_path, name) as process:
+        started = time.monotonic()
+        out, _ = process.communicate(timeout=50)
+        took_s = time.monotonic() - started
+    assert process.returncode == 1
+    assert re.search(REASONS[name], out), out
+    # Python and pytest need a moment to start, on a busy machine a longer one.
+    assert took_s < 30
+
+
+def test_ctrl_c_ends_pytest_and_passes_no_test_that_hangs(tmp_path: Path) -> None:
+    source = HANGS.replace("time.sleep(1000)", 'open("there", "w").close(); time.sleep(1000)')
+    with pytest_process(tmp_path, "sleep") as process:
+        (tmp_path / "test_hangs.py").write_text(source)
+        deadline = time.monotonic() + 20
+        while not (tmp_path / "there").exists() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        process.send_signal(2)
+        out, _ = process.communicate(timeout=20)
+    assert process.returncode == 2, out
+    assert "KeyboardInterrupt" in out
+    assert "passed" not in out
