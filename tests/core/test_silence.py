@@ -21,7 +21,7 @@ from rosbase import (
     LifecycleNode,
     State,
 )
-from rosbase.errors import HandshakeTimeoutError
+from rosbase.errors import HandshakeTimeoutError, TransitionNotAvailableError
 from rosbase.messages import Header
 from rosbase.testing import virtual_backend
 from support.roles import StopAfter
@@ -154,6 +154,20 @@ def test_handlers_whose_handle_is_async_are_refused() -> None:
 
     with pytest.raises(TypeError, match=r"Handlers\.handle: .* is async"):
         BaseManager(handlers_class=Handlers, backend=virtual_backend())
+
+
+def test_a_transition_asked_for_during_another_is_refused_and_says_which_and_since_when() -> None:
+    class Asks(LifecycleNode):
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            self.get_clock().sleep(3.2)
+            with pytest.raises(TransitionNotAvailableError, match=r"^busy: configuring since 3 s$"):
+                self.trigger_activate()
+            return CallbackReturn.SUCCESS
+
+    node = Asks(backend=virtual_backend())
+    assert node.trigger_configure() is CallbackReturn.SUCCESS
+    assert node.describe_transition() == ""
+    node.destroy_node()
 
 
 class Goes(BaseHandlers):

@@ -229,20 +229,23 @@ def test_an_answer_wakes_the_executor(client: Client, served: Served) -> None:
         served.executor.create_task(lambda: None)
 
 
-def test_requests_that_come_during_a_transition_wait_their_turn(
-    connected: Client, running: Served
+def test_a_request_that_comes_during_a_transition_is_refused_at_once_as_busy(
+    connected: Client, running: Served, caplog: pytest.LogCaptureFixture
 ) -> None:
     node = scripted(running)
     node.may_end.clear()
     first = connected.start_change(label="configure")
     assert node.began.wait(TIMEOUT_S)
-    second = connected.start_change(label="activate")
-    # Answered after the second request was taken: both come in order to the same thread.
+    for label in ("activate", "configure", "shutdown"):
+        assert not connected.finish(connected.start_change(label=label)).success
     assert connected.state() == "configuring"
     node.may_end.set()
     assert connected.finish(first).success
-    assert connected.finish(second).success
-    assert connected.state() == "active"
+    assert connected.state() == "inactive"
+    refusals = [
+        m for m in caplog.messages if m.startswith("change_state refused: busy: configuring")
+    ]
+    assert len(refusals) == 3
 
 
 def test_close_answers_what_a_main_loop_that_has_ended_never_begins(

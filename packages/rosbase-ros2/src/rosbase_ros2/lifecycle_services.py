@@ -140,10 +140,15 @@ class LifecycleServices:
         # A future wakes the executor only to run such callbacks; what awaits it does not count.
         answer.add_done_callback(_nothing)
         with self._lock:
-            if self._closed:
-                _settle(answer, success=False)
-                return answer
-            self._waiting.add(answer)
+            # Not queued: by the time its turn came, the state would be another one.
+            busy = self._managed.describe_transition() or ("busy" if self._waiting else "")
+            if not (self._closed or busy):
+                self._waiting.add(answer)
+        if self._closed or busy:
+            _settle(answer, success=False)
+            if busy:
+                self._logger.warning(f"change_state refused: {busy}")
+            return answer
         try:
             self._call_soon(partial(self._run, answer, wanted.id, wanted.label))
         except Exception:

@@ -24,6 +24,10 @@ class ManagedNode(Protocol):
         """The transitions that start at the present state."""
         ...
 
+    def describe_transition(self) -> str:
+        """Say which transition runs and since when; an empty text if none does."""
+        ...
+
     def request_transition(self, transition_id: int = 0, label: str = "") -> CallbackReturn:
         """Runs the transition of that label, or else of that id, with its callback.
 

@@ -75,6 +75,7 @@ class LifecycleNode(BaseNode):
         self._machine = Machine()
         self._transition_lock = threading.Lock()
         self._transition_thread: int | None = None
+        self._transition_since_ns: int | None = None
         self._gated: list[LifecyclePublisher] = []
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
@@ -111,6 +112,14 @@ class LifecycleNode(BaseNode):
     def get_state(self) -> State:
         """Where the lifecycle is, also while a transition runs."""
         return self._machine.state
+
+    def describe_transition(self) -> str:
+        """Say which transition runs, such as `busy: configuring since 3 s`; empty if none does."""
+        since_ns = self._transition_since_ns
+        if since_ns is None:
+            return ""
+        seconds = (self._backend.clock.monotonic_ns() - since_ns) / 1e9
+        return f"busy: {self._machine.state.label} since {seconds:.0f} s"
 
     def get_available_transitions(self) -> tuple[Transition, ...]:
         """The transitions that start at the present state."""
@@ -259,8 +268,9 @@ class LifecycleNode(BaseNode):
 
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._transition_lock.acquire(blocking=False):
-            raise TransitionNotAvailableError("another transition is under way")
+            raise TransitionNotAvailableError(self.describe_transition() or "busy")
         self._transition_thread = threading.get_ident()
+        self._transition_since_ns = self._backend.clock.monotonic_ns()
         # What ends the program is passed on once the machine has come to rest.
         self._interrupt = None
         known_error = self.last_error
@@ -279,7 +289,7 @@ class LifecycleNode(BaseNode):
                 self._note(self._machine.finish(self._call_back()))
             interrupt = self._interrupt
         finally:
-            self._transition_thread = None
+            self._transition_thread = self._transition_since_ns = None
             self._transition_lock.release()
         if interrupt is not None:
             raise interrupt
