@@ -15,7 +15,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Roles": ("roles", "manager", "lifecycle"),
     "Child processes": ("processes",),
     "Quality of service": ("qos",),
-    "Parameters": ("parameters",),
+    "Parameters": ("parameters", "contracts.parameter_store"),
     "The IMU reader": ("imu",),
     "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),

@@ -19,7 +19,13 @@ API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
 # What neither programs nor plugins are meant to import.
 INTERNAL = {
     *("__main__", "cli", "imu", "local"),
-    *("roles.connection", "roles.construction", "roles.shutdown", "runtime.stopping"),
+    *(
+        "roles.callables",
+        "roles.connection",
+        "roles.construction",
+        "roles.shutdown",
+        "runtime.stopping",
+    ),
 }
 ROOMS = ("contracts", "roles", "runtime", "text")
 

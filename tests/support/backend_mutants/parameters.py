@@ -1,11 +1,14 @@
 """What is wrong with parameters."""
 
+from collections.abc import Sequence
+
 from attrs import evolve
 
 from rosbase.contracts.backend import BackendOptions
+from rosbase.contracts.parameter_store import OnSetParameters
 from rosbase.errors import ParameterError
 from rosbase.local import LocalBackend
-from rosbase.parameters import Parameter, ParameterSpec
+from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from support.backend_mutants.changed import breaks
 
 
@@ -26,7 +29,8 @@ class HeedsNoOverride(LocalBackend):
 class TakesAnyOverride(LocalBackend):
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
         value = self._options.parameter_overrides.get(spec.name, spec.default)
-        return self._parameters.setdefault(spec.name, Parameter(spec.name, value))
+        parameter = Parameter(spec.name, value)
+        return self._parameters._values.setdefault(spec.name, parameter)
 
 
 @breaks("wrong-overrides-are-errors")
@@ -35,7 +39,7 @@ class DeclaresWhatItRefuses(LocalBackend):
         try:
             return super().declare_parameter(spec)
         except ParameterError:
-            self._parameters[spec.name] = Parameter(spec.name, spec.default)
+            self._parameters._values[spec.name] = Parameter(spec.name, spec.default)
             raise
 
 
@@ -47,14 +51,14 @@ class RefusesTheFirst(DeclaresWhatItRefuses):
 @breaks("declaring-twice-is-an-error")
 class DeclaresTheLast(LocalBackend):
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        self._parameters.pop(spec.name, None)
+        self._parameters._specs.pop(spec.name, None)
         return super().declare_parameter(spec)
 
 
 @breaks("undeclared-parameters-are-errors")
 class KnowsEveryParameter(LocalBackend):
     def get_parameter(self, name: str) -> Parameter:
-        return self._parameters.get(name, Parameter(name, ""))
+        return self._parameters._values.get(name, Parameter(name, ""))
 
 
 @breaks("undeclared-parameters-are-errors")
@@ -64,3 +68,48 @@ class TellsAtLength(LocalBackend):
             return super().get_parameter(name)
         except ParameterError as error:
             raise ParameterError(f"{error}\n(declare it first)") from None
+
+
+@breaks("setting-keeps-the-declared-kind")
+class SetsWhateverItIsGiven(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        self._parameters._values |= {parameter.name: parameter for parameter in parameters}
+        return SetParametersResult(successful=True)
+
+
+@breaks("setting-keeps-the-declared-kind")
+class SetsNothing(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        return self._parameters.ask(self._parameters.check(parameters))
+
+
+@breaks("what-cannot-be-set-is-refused-whole")
+class SetsTheFirst(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        results = [self._parameters.set([parameter]) for parameter in parameters]
+        return next((result for result in results if not result.successful), results[-1])
+
+
+@breaks("what-cannot-be-set-is-refused-whole")
+class SetsWhatIsReadOnly(LocalBackend):
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        return super().declare_parameter(evolve(spec, read_only=False))
+
+
+@breaks("what-cannot-be-set-is-refused-whole")
+class RefusesWithoutAReason(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        return evolve(super().set_parameters(parameters), reason="")
+
+
+@breaks("a-callback-may-refuse-what-is-set")
+class AsksNobody(LocalBackend):
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        pass
+
+
+@breaks("a-callback-may-refuse-what-is-set")
+class AsksTooLate(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        self._parameters._values |= {parameter.name: parameter for parameter in parameters}
+        return super().set_parameters(parameters)

@@ -6,9 +6,8 @@ double is due; nothing else is converted.
 
 import math
 import re
-from collections.abc import Sequence
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from attrs import field, frozen
 
@@ -19,11 +18,14 @@ __all__ = [
     "ParameterKind",
     "ParameterSpec",
     "ParameterValue",
+    "SetParametersResult",
     "check_value",
     "parse_text",
 ]
 
-ParameterValue: TypeAlias = bool | int | float | str | list[float] | list[str]
+ParameterValue: TypeAlias = (
+    bool | int | float | str | list[bool] | list[int] | list[float] | list[str]
+)
 """What a parameter can be."""
 
 
@@ -34,8 +36,19 @@ class ParameterKind(Enum):
     INTEGER = "a whole number"
     DOUBLE = "a number"
     STRING = "text"
+    BOOL_ARRAY = "truths such as [true, false]"
+    INTEGER_ARRAY = "whole numbers such as [1, 2]"
     DOUBLE_ARRAY = "numbers such as [1.0, 2.0]"
     STRING_ARRAY = "texts such as [a, b]"
+
+
+@frozen
+class SetParametersResult:
+    """Whether parameters were set; the fields are those of rcl_interfaces/SetParametersResult."""
+
+    successful: bool
+    reason: str = ""
+    """Why they were not."""
 
 
 @frozen
@@ -46,17 +59,35 @@ class Parameter:
     value: ParameterValue
 
 
+_SCALARS = {
+    bool: ParameterKind.BOOL,
+    int: ParameterKind.INTEGER,
+    float: ParameterKind.DOUBLE,
+    str: ParameterKind.STRING,
+}
+_ARRAYS = {
+    bool: ParameterKind.BOOL_ARRAY,
+    int: ParameterKind.INTEGER_ARRAY,
+    float: ParameterKind.DOUBLE_ARRAY,
+    str: ParameterKind.STRING_ARRAY,
+}
+_ELEMENTS = {array: _SCALARS[element] for element, array in _ARRAYS.items()}
+
+
 def _kind_of(spec: "ParameterSpec") -> ParameterKind:
-    match spec.default:
-        case bool():
-            return ParameterKind.BOOL
-        case int():
-            return ParameterKind.INTEGER
-        case float():
-            return ParameterKind.DOUBLE
-        case str():
-            return ParameterKind.STRING
-    raise TypeError(f"parameter {spec.name}: say which kind of array it is")
+    """The kind that a default says: of a list, by its elements; a float among ints is one."""
+    default = spec.default
+    if not isinstance(default, (list, tuple)):
+        if type(default) not in _SCALARS:
+            raise TypeError(f"parameter {spec.name}: {default!r} is not a value of a parameter")
+        return _SCALARS[type(default)]
+    types = {type(item) for item in default}
+    if types == {int, float}:
+        types = {float}
+    if len(types) != 1 or not types <= _ARRAYS.keys():
+        # An empty list says nothing, and a mixed one is none.
+        raise TypeError(f"parameter {spec.name}: say which kind of array it is")
+    return _ARRAYS[types.pop()]
 
 
 @frozen
@@ -73,6 +104,8 @@ class ParameterSpec:
     """The least number allowed; for arrays, of each element."""
     maximum: float | None = field(kw_only=True, default=None)
     """The greatest number allowed; for arrays, of each element."""
+    read_only: bool = field(kw_only=True, default=False)
+    """Whether its value stays what it was when it was declared."""
 
     @kind.default
     def _default_kind(self) -> ParameterKind:
@@ -111,7 +144,7 @@ def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
             return check_value(spec, text)
         case ParameterKind.STRING_ARRAY:
             return check_value(spec, _items(text))
-        case ParameterKind.DOUBLE_ARRAY:
+        case ParameterKind.BOOL_ARRAY | ParameterKind.INTEGER_ARRAY | ParameterKind.DOUBLE_ARRAY:
             return check_value(spec, [_scalar(item) for item in _items(text)])
     return check_value(spec, _scalar(text))
 
@@ -172,31 +205,31 @@ def _closes_last(text: str) -> bool:
 
 
 def _as_kind(spec: ParameterSpec, value: object) -> ParameterValue:
-    match spec.kind, value:
-        case ParameterKind.BOOL, bool():
-            return value
-        case ((ParameterKind.INTEGER | ParameterKind.DOUBLE), bool()):
-            pass
-        case ParameterKind.INTEGER, int():
-            return value
-        case ParameterKind.DOUBLE, int() | float():
-            return _to_float(spec, value)
-        case ParameterKind.STRING, str():
-            return value
-        case ((ParameterKind.DOUBLE_ARRAY | ParameterKind.STRING_ARRAY), list() | tuple()):
-            return _as_array(spec, value)
-        case ParameterKind.DOUBLE_ARRAY, int() | float():
-            return _as_array(spec, [value])
+    element = _ELEMENTS.get(spec.kind)
+    if element is None:
+        return _as_scalar(spec, spec.kind, value)
+    if spec.kind is ParameterKind.DOUBLE_ARRAY and _is_number(value):
+        value = [value]
+    if not isinstance(value, (list, tuple)):
+        raise _wrong_type(spec, value)
+    try:
+        items: Any = [_as_scalar(spec, element, item) for item in value]
+    except ParameterError as error:
+        raise error if "large" in str(error) else _wrong_type(spec, value) from None
+    return list(items)
+
+
+def _as_scalar(spec: ParameterSpec, kind: ParameterKind, value: Any) -> bool | int | float | str:
+    if kind is ParameterKind.DOUBLE and _is_number(value):
+        return _to_float(spec, value)
+    expected: type = {kind: of for of, kind in _SCALARS.items()}[kind]
+    if isinstance(value, expected) and (expected is bool or not isinstance(value, bool)):
+        return cast("bool | int | float | str", value)
     raise _wrong_type(spec, value)
 
 
-def _as_array(spec: ParameterSpec, value: Sequence[Any]) -> ParameterValue:
-    if spec.kind is ParameterKind.STRING_ARRAY:
-        if all(isinstance(item, str) for item in value):
-            return list(value)
-    elif all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
-        return [_to_float(spec, item) for item in value]
-    raise _wrong_type(spec, value)
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _to_float(spec: ParameterSpec, value: float) -> float:

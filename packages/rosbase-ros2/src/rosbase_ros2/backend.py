@@ -1,7 +1,7 @@
 """The `ros2` backend: an rclpy node of its own, handled on the main-loop thread."""
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import rclpy
@@ -14,9 +14,11 @@ from rosbase import (
     BackendOptions,
     ImuSender,
     ManagedNode,
+    OnSetParameters,
     Parameter,
     ParameterSpec,
     Publisher,
+    SetParametersResult,
     Subscription,
     SystemClock,
     Timer,
@@ -33,6 +35,7 @@ from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
+from rosbase_ros2.questions import Questions
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.timers import RosTimer, Timers
@@ -65,7 +68,8 @@ class Ros2Backend(Backend):
         self.log_handler = self._rosout = RosoutHandler(self.node)
         self._logger = make_logger(options.node_name, None, clock, self.log_handler)
         self._timers = Timers(clock, self.call_soon)
-        self._parameters = RosParameters(self.node)
+        questions = Questions(self.call_soon, self._is_on_spinner)
+        self._parameters = RosParameters(self.node, questions)
         self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(self.node)
@@ -144,6 +148,14 @@ class Ros2Backend(Backend):
         """The parameter as it is now, set from outside or not."""
         return self._parameters.get(name)
 
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set parameters of the node, or none of them if one is refused."""
+        return self._parameters.set(parameters)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` on the main loop before parameters are set, by whomever."""
+        self._parameters.add_callback(callback)
+
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Offers the five services and the topic by which the ROS tools drive a managed node."""
         self._check_open()
@@ -200,6 +212,9 @@ class Ros2Backend(Backend):
     def _check_open(self) -> None:
         if self._closed:
             raise BackendError("the backend is closed")
+
+    def _is_on_spinner(self) -> bool:
+        return self._spinner.is_current_thread
 
     def _report(self, error: BaseException) -> None:
         self._logger.error(f"a callback of rclpy raised {type(error).__name__}: {error}")

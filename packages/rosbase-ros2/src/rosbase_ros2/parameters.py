@@ -1,23 +1,24 @@
 """Parameters of rosbase as parameters of a ROS node: declared, listed, checked when set."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import SetParametersResult as RosResult
 from rclpy.parameter import Parameter as RosParameter
 
 from rosbase import (
     Parameter,
     ParameterError,
     ParameterKind,
+    ParameterRules,
     ParameterSpec,
+    SetParametersResult,
     check_value,
     one_line,
+    refused,
 )
+from rosbase_ros2.questions import Questions
 
 __all__ = ["RosParameters"]
 
@@ -26,6 +27,8 @@ _TYPES = {
     ParameterKind.INTEGER: RosParameter.Type.INTEGER,
     ParameterKind.DOUBLE: RosParameter.Type.DOUBLE,
     ParameterKind.STRING: RosParameter.Type.STRING,
+    ParameterKind.BOOL_ARRAY: RosParameter.Type.BOOL_ARRAY,
+    ParameterKind.INTEGER_ARRAY: RosParameter.Type.INTEGER_ARRAY,
     ParameterKind.DOUBLE_ARRAY: RosParameter.Type.DOUBLE_ARRAY,
     ParameterKind.STRING_ARRAY: RosParameter.Type.STRING_ARRAY,
 }
@@ -34,12 +37,25 @@ _INT64 = 2**63
 
 
 class RosParameters:
-    """The parameters of one rclpy node."""
+    """The parameters of one rclpy node.
 
-    def __init__(self, node: Any) -> None:
-        """Takes over the checking of what is set from outside."""
+    They are set from the main loop, or through services on rclpy's thread. Either way the program's
+    callbacks run on the main loop.
+    """
+
+    def __init__(self, node: Any, questions: Questions) -> None:
+        """Take over the checking of what is set.
+
+        Args:
+            node: The rclpy node.
+            questions: Has the main loop answer.
+        """
         self._node = node
-        self._specs: dict[str, ParameterSpec] = {}
+        self._rules = ParameterRules()
+        self._questions = questions
+        self.add_callback = self._rules.add_callback
+        """Ask a callback on the main loop before parameters are set."""
+        node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
 
     def declare(self, spec: ParameterSpec) -> Parameter:
@@ -62,7 +78,7 @@ class RosParameters:
         if given.type_ is not _TYPES[spec.kind]:
             # A whole number for a double, or an empty list, which rclpy takes for one of bytes.
             self._node.set_parameters([RosParameter(spec.name, _TYPES[spec.kind], value)])
-        self._specs[spec.name] = spec
+        self._rules.add(spec)
         return Parameter(spec.name, value)
 
     def get(self, name: str) -> Parameter:
@@ -74,19 +90,52 @@ class RosParameters:
         if not self._node.has_parameter(name):
             raise ParameterError(f"parameter {name} has not been declared")
         value = self._node.get_parameter(name).value
-        spec = self._specs.get(name)
+        spec = self._rules.find(name)
         return Parameter(name, value if spec is None else check_value(spec, _plain(value)))
 
+    def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all of them, or none if one is refused. On the main loop."""
+        try:
+            checked = self._rules.check(parameters)
+        except ParameterError as error:
+            return refused(str(error))
+        given = [
+            RosParameter(parameter.name, _TYPES[self._kind(parameter.name)], parameter.value)
+            for parameter in checked
+        ]
+        answer = self._node.set_parameters_atomically(given)
+        return SetParametersResult(answer.successful, answer.reason)
+
+    def _kind(self, name: str) -> ParameterKind:
+        spec = self._rules.find(name)
+        assert spec is not None
+        return spec.kind
+
+    def _convert(self, parameters: list[Any]) -> list[Any]:
+        """Give each the declared type: tools guess that of `2` and `[]`."""
+        return [self._as_declared(parameter) for parameter in parameters]
+
+    def _as_declared(self, parameter: Any) -> Any:
+        spec = self._rules.find(parameter.name)
+        if spec is None:
+            return parameter
+        try:
+            value = check_value(spec, _plain(parameter.value))
+        except ParameterError:
+            # Refused with the reason when it is checked.
+            return parameter
+        return RosParameter(spec.name, _TYPES[spec.kind], value)
+
     def _check(self, parameters: list[Any]) -> Any:
-        for parameter in parameters:
-            spec = self._specs.get(parameter.name)
-            if spec is None:
-                continue
-            try:
-                check_value(spec, _plain(parameter.value))
-            except ParameterError as error:
-                return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+        ours = [p for p in parameters if self._rules.find(p.name) is not None]
+        try:
+            checked = self._rules.check([Parameter(p.name, _plain(p.value)) for p in ours])
+        except ParameterError as error:
+            return RosResult(successful=False, reason=str(error))
+        if checked and self._rules.has_callbacks:
+            answer = self._questions.ask(lambda: self._rules.ask(checked), refused)
+            return RosResult(successful=bool(answer.successful), reason=answer.reason)
+        return RosResult(successful=True)
 
 
 def _plain(value: Any) -> Any:
@@ -100,6 +149,7 @@ def _descriptor(spec: ParameterSpec) -> Any:
         additional_constraints=", ".join(spec.choices) and f"one of {', '.join(spec.choices)}",
         # A whole number is taken where a double is due; `check_value` decides about the rest.
         dynamic_typing=True,
+        read_only=spec.read_only,
     )
     if spec.minimum is not None or spec.maximum is not None:
         least, most = spec.minimum, spec.maximum

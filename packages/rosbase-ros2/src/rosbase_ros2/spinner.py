@@ -40,9 +40,14 @@ class Spinner:
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
         self._thread.start()
 
+    @property
+    def is_current_thread(self) -> bool:
+        """Whether the caller runs on this thread."""
+        return threading.current_thread() is self._thread
+
     def call(self, function: Callable[[], object], patience_s: float = _CALL_S) -> None:
         """Runs a function between two callbacks, and waits a moment for it."""
-        if threading.current_thread() is self._thread or not self._thread.is_alive():
+        if self.is_current_thread or not self._thread.is_alive():
             function()
             return
         done = threading.Event()
@@ -62,7 +67,7 @@ class Spinner:
         self.call(_nothing, _END_S)
         self._ending = True
         self.executor.create_task(_nothing)
-        if threading.current_thread() is not self._thread:
+        if not self.is_current_thread:
             self._thread.join(_END_S)
         if self._thread.is_alive():
             return False

@@ -1,7 +1,8 @@
 """The backend contract: what connects a manager or a lone node to the world.
 
 Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
-`destroy_subscription`, `declare_parameter`, `get_parameter`, `close`.
+`destroy_subscription`, `declare_parameter`, `get_parameter`, `set_parameters`,
+`add_on_set_parameters_callback`, `close`.
 
 May implement, where the world has more to it than this process: `delivers_in_process`,
 `log_handler`, `expose_lifecycle`, `imu_sender`, `create_timer`, `destroy_timer`. May set, before
@@ -48,16 +49,17 @@ Errors are one line, which names the topic, the parameter or the value.
 import logging
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, TypeVar
 
 from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.imu_sender import ImuSender, message_sender
+from rosbase.contracts.parameter_store import OnSetParameters
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
-from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.runtime.executor import Executor, ExecutorTimer
 
@@ -211,6 +213,17 @@ class Backend(ABC):
         Raises:
             ParameterError: It has not been declared.
         """
+
+    @abstractmethod
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all of them, or none: one that is undeclared, read-only or wrong is refused.
+
+        Each keeps its declared type. For the spinning thread.
+        """
+
+    @abstractmethod
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` on the spinning thread before parameters are set, from wherever."""
 
     @abstractmethod
     def close(self) -> None:

@@ -1,14 +1,15 @@
 """The `local` backend: topics, timers and parameters within one process."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
-from rosbase.errors import BackendError, ParameterError
+from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore
+from rosbase.errors import BackendError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
 from rosbase.local.names import resolve_topic
-from rosbase.parameters import Parameter, ParameterSpec, check_value
+from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 
 __all__ = ["LocalBackend"]
@@ -26,7 +27,7 @@ class LocalBackend(Backend):
         super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
-        self._parameters: dict[str, Parameter] = {}
+        self._parameters = ParameterStore(options.parameter_overrides)
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
         self._closed = False
@@ -71,20 +72,20 @@ class LocalBackend(Backend):
             self._bus.remove_subscription(subscription)
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        """Makes a parameter known, with its override if there is one."""
-        if spec.name in self._parameters:
-            raise ParameterError(f"parameter {spec.name} is declared twice")
-        value = self._options.parameter_overrides.get(spec.name, spec.default)
-        parameter = Parameter(spec.name, check_value(spec, value))
-        self._parameters[spec.name] = parameter
-        return parameter
+        """Make a parameter known, with its override if there is one."""
+        return self._parameters.declare(spec)
 
     def get_parameter(self, name: str) -> Parameter:
-        """The parameter as it is now."""
-        try:
-            return self._parameters[name]
-        except KeyError:
-            raise ParameterError(f"parameter {name} has not been declared") from None
+        """Return the parameter as it is now."""
+        return self._parameters.get(name)
+
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all of them, or none if one is refused."""
+        return self._parameters.set(parameters)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` before parameters are set."""
+        self._parameters.add_callback(callback)
 
     def close(self) -> None:
         """Ends everything that was created."""

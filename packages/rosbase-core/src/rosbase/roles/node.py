@@ -1,12 +1,13 @@
 """The node: communication and caching, attached to a manager or alone, with the same code."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.contracts.parameter_store import OnSetParameters
 from rosbase.logger import make_logger
-from rosbase.parameters import Parameter, ParameterSpec, ParameterValue
+from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
 from rosbase.roles.connection import lone_node_name, open_backend
@@ -131,6 +132,24 @@ class BaseNode(Constructed, Component):
             ParameterError: It has not been declared.
         """
         return self._backend.get_parameter(name)
+
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all of them, or none.
+
+        Returns:
+            Whether they were set, and why not: one is undeclared, read-only or no value of its
+            declared type, or a callback refuses it.
+        """
+        return self._backend.set_parameters(parameters)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback(parameters)` on the main-loop thread before parameters are set.
+
+        It answers a `SetParametersResult`; what it refuses stays as it is, with its reason told to
+        whoever sets it.
+        """
+        check_callback(callback, "add_on_set_parameters_callback")
+        self._backend.add_on_set_parameters_callback(callback)
 
     def start_spin_standalone(self) -> None:
         """Runs a lone node until SIGINT or SIGTERM, then cleans up after it.

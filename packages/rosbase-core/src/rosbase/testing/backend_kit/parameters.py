@@ -1,10 +1,17 @@
 """Checks of parameters."""
 
 from functools import partial
+from itertools import starmap
 from typing import Any
 
 from rosbase.errors import ParameterError
-from rosbase.parameters import ParameterKind, ParameterSpec, ParameterValue
+from rosbase.parameters import (
+    Parameter,
+    ParameterKind,
+    ParameterSpec,
+    ParameterValue,
+    SetParametersResult,
+)
 from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.backend_kit.rig import BackendRig
 
@@ -20,6 +27,8 @@ _SPECS = [
     ParameterSpec("no_numbers", [], kind=_NUMBERS),
     ParameterSpec("texts", ["a", "b"], kind=_TEXTS),
     ParameterSpec("no_texts", [], kind=_TEXTS),
+    ParameterSpec("counts", [1, 2]),
+    ParameterSpec("flags", [True, False]),
 ]
 # What is set, and what becomes of it.
 _OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
@@ -30,6 +39,14 @@ _OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
     "numbers": ([0.5], [0.5]),
     "texts": (["c"], ["c"]),
 }
+_SET: dict[str, tuple[ParameterValue, ParameterValue]] = {
+    **_OVERRIDES,
+    "texts": ([], []),
+    "counts": ([3], [3]),
+    "flags": ([False], [False]),
+    "no_numbers": ([1, 2.5], [1.0, 2.5]),
+}
+_NEVER = [Parameter("serial", "B2"), Parameter("unheard_of", 1)]
 _WRONG: dict[str, ParameterValue] = {
     "flag": 1,
     "count": 10,
@@ -95,6 +112,50 @@ class ParameterChecks(BackendRig):
         )
         value = backend.get_parameter("rate").value
         promised.require(value == 1.0, f"declared twice, as 1.0 and 2.0, it became {value}")
+
+    def test_setting_keeps_the_declared_kind(self) -> None:
+        promised, backend = promise("setting-keeps-the-declared-kind"), self.open()
+        for spec in _SPECS:
+            backend.declare_parameter(spec)
+        for name, (given, expected) in _SET.items():
+            result = backend.set_parameters([Parameter(name, given)])
+            promised.require(result.successful, f"{name} = {given!r} was refused: {result.reason}")
+            found = backend.get_parameter(name).value
+            promised.require(_same(found, expected), f"{name}, set to {given!r}, is {found!r}")
+
+    def test_what_cannot_be_set_is_refused_whole(self) -> None:
+        promised, backend = promise("what-cannot-be-set-is-refused-whole"), self.open()
+        for spec in [*_SPECS, ParameterSpec("serial", "A1", read_only=True)]:
+            backend.declare_parameter(spec)
+        good = Parameter("rate", 2.5)
+        for wrong in [*starmap(Parameter, _WRONG.items()), *_NEVER]:
+            if wrong.name == good.name:
+                continue
+            result = backend.set_parameters([good, wrong])
+            is_told = wrong.name in result.reason and "\n" not in result.reason
+            promised.require(not result.successful, f"{wrong} was set")
+            promised.require(is_told, f"{wrong} was refused with {result.reason!r}")
+            rate = backend.get_parameter("rate").value
+            promised.require(rate == 1.5, f"{wrong} was refused, and what came with it was set")
+
+    def test_a_callback_may_refuse_what_is_set(self) -> None:
+        promised, backend = promise("a-callback-may-refuse-what-is-set"), self.open()
+        backend.declare_parameter(ParameterSpec("rate", 1.5))
+        asked: list[ParameterValue] = []
+
+        def judge(parameters: list[Parameter]) -> SetParametersResult:
+            asked.append(parameters[0].value)
+            asked.append(backend.get_parameter("rate").value)
+            return SetParametersResult(parameters[0].value != 5.0, "not five")
+
+        backend.add_on_set_parameters_callback(judge)
+        refused = backend.set_parameters([Parameter("rate", 5)])
+        promised.require(asked == [5.0, 1.5], f"it was asked about, and saw, {asked}")
+        is_told = not refused.successful and "not five" in refused.reason
+        promised.require(is_told, f"what it refused ended as {refused}")
+        promised.require(backend.get_parameter("rate").value == 1.5, "what it refused was set")
+        promised.require(backend.set_parameters([Parameter("rate", 3)]).successful, "3 was refused")
+        promised.require(backend.get_parameter("rate").value == 3.0, "3 was not set")
 
     def test_undeclared_parameters_are_errors(self) -> None:
         promised, backend = promise("undeclared-parameters-are-errors"), self.open()

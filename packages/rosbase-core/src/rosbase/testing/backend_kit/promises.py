@@ -121,6 +121,17 @@ _SENTENCES = {
         " names it, and the parameter stays undeclared"
     ),
     "declaring-twice-is-an-error": "a parameter declared twice is a ParameterError that names it",
+    "setting-keeps-the-declared-kind": (
+        "a parameter that is set has the new value, of the kind declared: 5 for a number is 5.0"
+    ),
+    "what-cannot-be-set-is-refused-whole": (
+        "of several parameters none is set if one is undeclared, read-only or no value of its"
+        " kind, and the reason is one line that names it"
+    ),
+    "a-callback-may-refuse-what-is-set": (
+        "callbacks are asked before parameters are set, with the values as they will be, and"
+        " what one refuses stays as it is"
+    ),
     "undeclared-parameters-are-errors": (
         "a parameter that was not declared is a ParameterError that names it"
     ),

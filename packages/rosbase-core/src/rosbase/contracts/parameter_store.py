@@ -1,0 +1,122 @@
+"""The parameters of a backend: declared once, checked whenever they are set."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+from rosbase.errors import ParameterError
+from rosbase.parameters import (
+    Parameter,
+    ParameterSpec,
+    ParameterValue,
+    SetParametersResult,
+    check_value,
+)
+
+__all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "refused"]
+
+OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
+"""Gives a `SetParametersResult`, or rclpy's, for parameters that are about to be set."""
+
+
+class ParameterRules:
+    """What each declared parameter may be, and who may refuse a change."""
+
+    def __init__(self) -> None:
+        """Start without a parameter."""
+        self._specs: dict[str, ParameterSpec] = {}
+        self._callbacks: list[OnSetParameters] = []
+
+    def add(self, spec: ParameterSpec) -> None:
+        """Take a parameter that has been declared."""
+        self._specs[spec.name] = spec
+
+    def find(self, name: str) -> ParameterSpec | None:
+        """Return what a parameter was declared as; None if it was not."""
+        return self._specs.get(name)
+
+    @property
+    def has_callbacks(self) -> bool:
+        """Whether anybody is asked before parameters are set."""
+        return bool(self._callbacks)
+
+    def add_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` before parameters are set; the last one added is asked first."""
+        self._callbacks.insert(0, callback)
+
+    def check(self, parameters: Sequence[Parameter]) -> list[Parameter]:
+        """Return the parameters as values of their declared types.
+
+        Raises:
+            ParameterError: One is undeclared, read-only or no value of its type.
+        """
+        checked: list[Parameter] = []
+        for parameter in parameters:
+            spec = self._specs.get(parameter.name)
+            if spec is None:
+                raise ParameterError(f"parameter {parameter.name} has not been declared")
+            if spec.read_only:
+                raise ParameterError(f"parameter {spec.name} is read-only")
+            checked.append(Parameter(spec.name, check_value(spec, parameter.value)))
+        return checked
+
+    def ask(self, checked: Sequence[Parameter]) -> SetParametersResult:
+        """Ask the callbacks, on the spinning thread; the first refusal counts."""
+        for callback in list(self._callbacks):
+            answer = callback(list(checked))
+            if not answer.successful:
+                return refused(answer.reason or "the program refuses it")
+        return SetParametersResult(successful=True)
+
+
+class ParameterStore(ParameterRules):
+    """Declared parameters with their values."""
+
+    def __init__(self, overrides: Mapping[str, ParameterValue]) -> None:
+        """Start without a parameter.
+
+        Args:
+            overrides: Values that win over the defaults of the parameters declared later.
+        """
+        super().__init__()
+        self._overrides = overrides
+        self._values: dict[str, Parameter] = {}
+
+    def declare(self, spec: ParameterSpec) -> Parameter:
+        """Make a parameter known, with its override if there is one.
+
+        Raises:
+            ParameterError: It is declared already, or the override is not a value of it.
+        """
+        if self.find(spec.name) is not None:
+            raise ParameterError(f"parameter {spec.name} is declared twice")
+        value = check_value(spec, self._overrides.get(spec.name, spec.default))
+        self.add(spec)
+        self._values[spec.name] = Parameter(spec.name, value)
+        return self._values[spec.name]
+
+    def get(self, name: str) -> Parameter:
+        """Return the parameter as it is now.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+        try:
+            return self._values[name]
+        except KeyError:
+            raise ParameterError(f"parameter {name} has not been declared") from None
+
+    def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all of them, or none if one is refused."""
+        try:
+            checked = self.check(parameters)
+        except ParameterError as error:
+            return refused(str(error))
+        result = self.ask(checked)
+        if result.successful:
+            self._values |= {parameter.name: parameter for parameter in checked}
+        return result
+
+
+def refused(reason: str) -> SetParametersResult:
+    """Return the answer to a change that is refused."""
+    return SetParametersResult(successful=False, reason=reason)
