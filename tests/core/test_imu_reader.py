@@ -360,7 +360,7 @@ def test_a_device_that_is_not_written_yet_is_failure_in_one_line(rigs: Callable[
 
 def test_a_device_that_was_refused_is_not_what_it_is_said_to_be(rigs: Callable[..., Rig]) -> None:
     rig = rigs()
-    rig.backend._parameters["gain"] = Parameter("gain", 7.0)
+    assert rig.backend.set_parameters([Parameter("gain", 7.0)]).successful
     rig.registry.create = fails_with(ParameterError("gain is odd"))
     assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
     assert rig.reader.settings.device == "1.0"

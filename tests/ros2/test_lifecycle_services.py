@@ -293,6 +293,9 @@ class Broken:
     def get_available_transitions(self) -> Any:
         raise RuntimeError("broken")
 
+    def describe_transition(self) -> str:
+        raise RuntimeError("broken")
+
     def request_transition(self, transition_id: int = 0, label: str = "") -> CallbackReturn:
         raise RuntimeError("broken")
 
