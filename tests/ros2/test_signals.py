@@ -32,7 +32,7 @@ def test_a_signal_ends_code_that_blocks_and_the_whole_clean_up_runs(
         took_s, status, out, err = program.stop(signum)
     assert (status, err.count("Traceback")) == (0, 0), err
     assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    assert took_s < (7.0 if place.startswith("native") else 3.0)
+    assert took_s < (20.0 if place.startswith("native") else 5.0)
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
