@@ -9,7 +9,7 @@ from rosbase import installed_plugins
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from generators import capabilities, conformance, docstrings, lifecycle, names, public
+from generators import capabilities, conformance, docstrings, lifecycle, names, public, reasons
 
 project = "rosbase"
 author = "The rosbase authors"
@@ -54,6 +54,7 @@ GENERATED = {
     "lifecycle diagram": lifecycle.diagram,
     "lifecycle table": lifecycle.table,
     "public names": public.tables,
+    "reasons": reasons.reasons,
 }
 
 

@@ -1,5 +1,6 @@
 """What the installed plugins declare, as tables in Markdown, made from their descriptors."""
 
+from collections.abc import Mapping
 from importlib.metadata import requires
 
 from attrs import fields
@@ -79,6 +80,8 @@ def _shown(value: object) -> str:
     match value:
         case None | "" | ():
             return "none"
+        case Mapping():
+            return ", ".join(f"`{key}`" for key in value) or "none"
         case bool():
             return "yes" if value else "no"
         case str() if " " in value:

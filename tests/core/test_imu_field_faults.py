@@ -477,10 +477,10 @@ def test_f_a_date_that_is_never_usable_is_said_in_the_log_and_in_health(
         ("N/A", "'N/A' is no date"),
         ("1812345678.12", "set mapping.numeric_strings"),
         (True, "True is no date"),
-        (1_700_000_000_000, "after 2038-01-19; is mapping.time.unit right?"),
+        (1_700_000_000_000, "after the year 9999; is mapping.time.unit right?"),
         ({"sec": 5}, "is no date"),
         (-(10**400), "a date before 1970"),
-        (10**400, "after 2038-01-19"),
+        (10**400, "after the year 9999"),
         (-1e300, "is no date"),
     ],
 )

@@ -69,7 +69,8 @@ def test_json_of_another_kind_is_said_once_at_any_rate(
     usable = [line for line in health_lines(caplog) if "no data" not in line]
     assert usable == [
         "health WARN: nothing usable arrives: no_imu_data: "
-        "nothing that the mapping knows; is the preset right?"
+        "nothing that the mapping knows; is the preset right? "
+        "angular_velocity: the payload has no 'gyro_x', but 'temp'"
     ]
     rig.play(SKETCH, 100.0, 1.0)
     assert rig.reader.health.level is HealthLevel.OK
@@ -85,7 +86,7 @@ def test_a_heartbeat_twice_a_second_after_good_samples_is_a_warning(
     assert rig.reader.health.level is HealthLevel.WARN
     assert health_lines(caplog) == [
         "health OK: samples arrive",
-        "health WARN: nothing usable arrives: not_data: plain text, such as a boot message",
+        "health WARN: nothing usable arrives: not_data: text that is not JSON",
     ]
 
 
@@ -115,8 +116,7 @@ def test_bytes_without_an_end_of_line_are_said_counted_and_logged_like_any_reaso
     rig.play_bytes(25, 20.0, 3.0)
     assert rig.reader.health.level is HealthLevel.WARN
     assert rig.reader.health.message == (
-        "nothing usable arrives: unended: 1500 bytes without an end of line; "
-        "is it the right device and baud rate?"
+        "nothing usable arrives: unended: 1500 bytes without an end of line; is it the right wire?"
     )
     assert rig.reader.counts.by_reason == {"unended": 1}
     assert rig.reader.counts.rejected == 1
@@ -124,7 +124,7 @@ def test_bytes_without_an_end_of_line_are_said_counted_and_logged_like_any_reaso
     assert len(health_lines(caplog)) == 1
     assert [m for m in caplog.messages if m.startswith("no frame")] == [
         "no frame in the last 625 bytes: unended (bytes without an end of line; "
-        "is it the right device and baud rate?); 1 so far"
+        "is it the right wire?); 1 so far"
     ]
     assert rig.reader.counts.by_reason == {"unended": 1}, "it is one line that does not end"
 
@@ -149,8 +149,7 @@ def test_what_the_transport_drops_is_logged_at_the_rate_of_what_the_reader_drops
         rig.pass_time(0.1)
     dropped = [m for m in caplog.messages if m.startswith("dropped")]
     assert dropped == [
-        "dropped 3 frames: overlong (too long for a sample; is it the right device and baud "
-        "rate?); 3 so far",
+        "dropped 3 frames: overlong (too long for a sample; is it the right wire?); 3 so far",
         "dropped 2 frames: checksum; 2 so far",
         dropped[2],
     ]
@@ -256,9 +255,7 @@ def test_the_summary_ends_with_what_was_wrong_at_the_end(rigs: Callable[..., Wat
     rig.play(HEARTBEAT, 2.0, 3.0)
     rig.reader.trigger_shutdown()
     *_, last = summary_lines(rig.reader, 0, None)
-    assert last == (
-        "health WARN nothing usable arrives: not_data: plain text, such as a boot message"
-    )
+    assert last == ("health WARN nothing usable arrives: not_data: text that is not JSON")
 
 
 def test_a_reader_that_is_not_active_has_no_health_to_check(rigs: Callable[..., Watched]) -> None:

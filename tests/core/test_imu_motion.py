@@ -2,14 +2,12 @@
 
 import json
 import math
-from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase.imu.motion import _EAST, _NORTH, _UP, motion_at
-from rosbase.imu.plausibility import Plausibility
 from rosbase.imu.simulator import payload_at
 from rosbase.imu.units import STANDARD_GRAVITY
 from rosbase.messages import Quaternion, Time
@@ -68,16 +66,6 @@ def test_the_motion_moves_every_axis() -> None:
         for axis in "xyz":
             values = [getattr(getattr(sample, quantity), axis) for sample in samples]
             assert max(values) - min(values) > 0.1
-
-
-def test_the_plausibility_check_finds_nothing_in_it() -> None:
-    check = Plausibility()
-    noise = Random(1)
-    for number in range(5000):
-        sample = motion_at(number / 100)
-        a = sample.linear_acceleration
-        check.add((a.x + noise.gauss(0, 0.02), a.y, a.z))
-        assert check.finding == ""
 
 
 def test_a_payload_is_one_line_of_json_in_the_default_shape() -> None:

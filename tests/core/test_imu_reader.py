@@ -25,7 +25,15 @@ from rosbase.parameters import Parameter
 from rosbase.plugins import installed_plugins
 from rosbase.testing import ManualClock
 from support.reader_rig import Rig
-from support.samples import FAULTS, GOOD, GOOD_FRAME, ORIENTATION_FAULTS, payload, vector
+from support.samples import (
+    FAULTS,
+    GOOD,
+    GOOD_DATE_NS,
+    GOOD_FRAME,
+    ORIENTATION_FAULTS,
+    payload,
+    vector,
+)
 from support.transports import ScriptedRegistry
 
 
@@ -140,11 +148,11 @@ def test_a_flood_of_bad_frames_is_one_line_in_the_log(
 
 def test_the_device_time_is_used_if_asked_for_and_usable(rigs: Callable[..., Rig]) -> None:
     rig = rigs(time_source="device").activate()
-    ((_, message),) = rig.send(GOOD_FRAME)
+    ((_, message),) = rig.send(GOOD_FRAME, stamp_ns=GOOD_DATE_NS + 10**6)
     assert message.header.stamp == Time(1_700_000_000, 5)
     uptime = {"header": {"stamp": {"secs": 12, "nsecs": 34}}}
-    ((_, message),) = rig.send(payload(**uptime), stamp_ns=10**9)
-    assert message.header.stamp == Time(1, 0)
+    ((_, message),) = rig.send(payload(**uptime), stamp_ns=GOOD_DATE_NS + 10**9)
+    assert message.header.stamp == Time(1_700_000_001, 5)
     assert rig.reader.counts.time_unusable == 1
     ((_, message),) = rigs().activate().send(GOOD_FRAME, stamp_ns=10**9)
     assert message.header.stamp == Time(1, 0), "by default it is the arrival"
@@ -152,10 +160,10 @@ def test_the_device_time_is_used_if_asked_for_and_usable(rigs: Callable[..., Rig
 
 def test_m8_stamps_of_the_device_neither_repeat_nor_go_back(rigs: Callable[..., Rig]) -> None:
     rig = rigs(time_source="device").activate()
-    assert rig.send(GOOD_FRAME)
-    assert not rig.send(GOOD_FRAME)
+    assert rig.send(GOOD_FRAME, GOOD_DATE_NS)
+    assert not rig.send(GOOD_FRAME, GOOD_DATE_NS)
     early = {"header": {"stamp": {"secs": 1_699_999_999, "nsecs": 0}}}
-    assert not rig.send(payload(**early))
+    assert not rig.send(payload(**early), GOOD_DATE_NS)
     assert rig.reader.counts.by_reason == {"duplicate": 1, "out_of_order": 1}
 
 
@@ -272,13 +280,35 @@ def test_a_device_that_comes_and_goes_stays_error_though_data_come_in_between(
     assert rig.reader.health.level is HealthLevel.OK
 
 
-def test_nothing_but_noise_is_warn_and_says_check_the_baud_rate(rigs: Callable[..., Rig]) -> None:
+def test_nothing_but_noise_is_warn_and_says_what_the_transport_says_of_it(
+    rigs: Callable[..., Rig],
+) -> None:
     rig = rigs().activate()
     for _ in range(5):
         rig.send(b"\xff\xfe")
         rig.pass_time(0.3)
     assert rig.reader.health.level is HealthLevel.WARN
-    assert "check the baud rate" in rig.reader.health.message
+    assert rig.reader.health.message.endswith("not_utf8: bytes that are not text; check the wire")
+
+
+def test_health_says_the_cause_that_the_bytes_show(rigs: Callable[..., Rig]) -> None:
+    rig = rigs().activate()
+    for _ in range(5):
+        rig.send(b"12:00:01.250 -> " + GOOD_FRAME)
+        rig.pass_time(0.3)
+    assert "not_data: JSON behind '12:00:01.250 -> '" in rig.reader.health.message
+
+
+def test_what_the_transport_could_not_frame_is_explained_by_the_transport(
+    rigs: Callable[..., Rig],
+) -> None:
+    rig = rigs().activate()
+    rig.pass_time(0.5)
+    rig.transport.frame_errors = {"overlong": 9}
+    for _ in range(5):
+        rig.send(b"\xff")
+        rig.pass_time(0.3)
+    assert rig.reader.health.message.endswith("too long for a sample; is it the right wire?")
 
 
 def test_frame_errors_of_the_transport_count_as_rejected(rigs: Callable[..., Rig]) -> None:

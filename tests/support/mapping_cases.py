@@ -90,6 +90,7 @@ class _Maker:
         self.times: list[list[list[Token]]] = []
         self.interval: list[Token] = []
         self.selected: list[Token] = []
+        self.sentinels: tuple[float, ...] = ()
 
     # The mapping.
 
@@ -111,6 +112,7 @@ class _Maker:
         fields["required"] = tuple(group for group in groups if rng.random() < 0.4)
         fields["absent"] = rng.choice(["missing", "missing", "zero"])
         fields["numeric_strings"] = rng.random() < 0.3
+        fields["sentinels"] = self.sentinels = rng.choice([(), (), (-999.0,), (65535.0, 0.5)])
         fields["select"] = self.select()
         fields["time_interval"] = ""
         fields["time_paths"], fields["time_unit"] = (), ""
@@ -248,6 +250,13 @@ class _Maker:
         return payload if isinstance(payload, (dict, list)) else [payload]
 
     def numbers(self, group: str) -> list[Any]:
+        numbers = self.readings(group)
+        if self.sentinels and self.rng.random() < 0.2:
+            lost = self.rng.choice([*self.sentinels, int(self.sentinels[0]), "-999"])
+            numbers[self.rng.randrange(len(numbers))] = lost
+        return numbers
+
+    def readings(self, group: str) -> list[Any]:
         rng = self.rng
         if group == "orientation":
             units: list[list[Any]] = [

@@ -319,6 +319,8 @@ class Quantity:
         return self.convert([0] * len(ways), ways)
 
     def convert(self, values: list[Any], ways: list[Any]) -> Any:
+        if any(self.is_sentinel(value) for value in values):
+            return None
         numbers = []
         for value, (sign, _) in zip(values, ways, strict=True):
             number = number_of(value, self.factor * sign, self.limit, self.mapping)
@@ -326,6 +328,10 @@ class Quantity:
                 return number
             numbers.append(number)
         return self.rotation(numbers) if self.group == "orientation" else tuple(numbers)
+
+    def is_sentinel(self, value: Any) -> bool:
+        number = number_of(value, 1.0, math.inf, self.mapping)
+        return not isinstance(number, Fault) and number in self.mapping.get("sentinels", ())
 
     def rotation(self, numbers: list[float]) -> Any:
         norm = math.hypot(*numbers)
@@ -369,8 +375,9 @@ def date_of(values: list[Any], units: list[int], mapping: dict[str, Any]) -> int
 
 
 def is_possible(date_ns: int) -> int | None:
-    first = int(datetime(2000, 1, 1, tzinfo=UTC).timestamp()) * 10**9
-    return date_ns if first <= date_ns < (2**31 - 1) * 10**9 else None
+    first = int(datetime(1980, 1, 1, tzinfo=UTC).timestamp()) * 10**9
+    last = int(datetime(9999, 12, 31, tzinfo=UTC).timestamp()) * 10**9
+    return date_ns if first <= date_ns < last + 86_400 * 10**9 else None
 
 
 class Dates:

@@ -27,6 +27,7 @@ def vector(x: Any = 0.0, y: Any = 0.0, z: Any = 0.0) -> dict[str, Any]:
 
 
 GOOD_FRAME = frame()
+GOOD_DATE_NS = 1_700_000_000_000_000_005
 
 # By a name of the fault: the line, and the reason under which it is counted.
 FAULTS: dict[str, tuple[bytes, str]] = {

@@ -2,6 +2,7 @@
 
 import json
 import math
+from typing import NamedTuple
 
 from hypothesis import strategies as st
 
@@ -107,6 +108,13 @@ def good_payloads(draw: st.DrawFn) -> dict[str, object]:
         payload["header"] = {"stamp": {"sec": draw(st.integers(0, 2**32)), "nanosec": 5}}
     return payload
 
+
+# Every orientation, as x, y, z, w.
+unit_quaternions = (
+    st.tuples(*[st.floats(-1.0, 1.0)] * 4)
+    .filter(lambda q: math.hypot(*q) > 0.1)
+    .map(lambda q: tuple(axis / math.hypot(*q) for axis in q))
+)
 
 frames = st.binary(max_size=200) | (payloads | good_payloads() | json_values).map(
     lambda p: json.dumps(p).encode()
@@ -227,3 +235,60 @@ child_marks = st.builds(
     program=st.integers(0, 2**32 - 1).map("{:08x}".format),
     name=st.text(st.characters(codec="utf-8")),
 )
+
+
+class DateEvent(NamedTuple):
+    """A sample of a device with a clock: what becomes of it, and what should."""
+
+    kind: str
+    """`good`, `duplicate` or `outlier`."""
+    x: float
+    """What is measured; each good sample has its own."""
+    date_ns: int
+    arrived_ns: int
+    run: int
+    """How often the device's clock was set before."""
+    since_step: int
+    """Good samples since then."""
+    since_step_ns: int
+    """Nanoseconds since then."""
+
+
+@st.composite
+def date_streams(draw: st.DrawFn) -> list[DateEvent]:
+    """Samples in the order of their arrival, of a clock that is set now and then."""
+    second = 1_000_000_000
+    now_ns = 1_780_000_000 * second
+    ahead_ns = draw(st.integers(-20 * 3600 * second, 20 * 3600 * second))
+    period_ns = draw(st.sampled_from([5, 10, 50, 100, 1000])) * 1_000_000
+    events: list[DateEvent] = []
+    wild_days = iter(draw(st.permutations(range(2, 130))))
+    run = since_step = x = 0
+    step_ns = now_ns
+    kinds = st.sampled_from(["good"] * 12 + ["duplicate", "outlier", "outlier", "step"])
+    for kind in draw(st.lists(kinds, min_size=1, max_size=120)):
+        if kind == "step":
+            ahead_ns += draw(st.sampled_from([-1, 1])) * draw(st.integers(3, 10**6)) * second
+            run, since_step, step_ns = run + 1, 0, now_ns
+            continue
+        good = [event for event in events if event.kind == "good"]
+        if kind == "duplicate" and good:
+            events.append(good[-1]._replace(kind=kind, arrived_ns=now_ns))
+            continue
+        now_ns += period_ns
+        if kind == "outlier":
+            if [event.kind for event in events if event.kind != "duplicate"][-1:] == ["outlier"]:
+                continue
+            # No two agree, or they would be a clock of their own.
+            days = next(wild_days) * draw(st.sampled_from([-1, 1]))
+            date_ns = now_ns + ahead_ns + days * 86_400 * second
+            if abs(date_ns - now_ns) <= 86_400 * second:
+                # By chance it is nearer to the truth than the clock.
+                continue
+        else:
+            x += 1
+            delay_ns = draw(st.integers(0, period_ns // 2))
+            date_ns = now_ns + ahead_ns - delay_ns
+        events.append(DateEvent(kind, x, date_ns, now_ns, run, since_step, now_ns - step_ns))
+        since_step += kind != "outlier"
+    return events

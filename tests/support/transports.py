@@ -9,6 +9,13 @@ from rosbase.parameters import ParameterSpec, ParameterValue
 from rosbase.plugins import TransportPlugin
 from rosbase.testing import ScriptedTransport
 
+HINTS = {
+    "not_utf8": "check the wire",
+    "overlong": "is it the right wire?",
+    "unended": "is it the right wire?",
+}
+"""What the scripted transport says of frames that are refused."""
+
 
 class ScriptedRegistry:
     """The installed plugins, with the scripted transport in place of all others."""
@@ -24,6 +31,7 @@ class ScriptedRegistry:
             "the test",
             self._create,
             parameters=(ParameterSpec("gain", 1.0, "a parameter of the transport"),),
+            hints=HINTS,
         )
 
     @property

@@ -18,6 +18,14 @@ from rosbase import (
 
 __all__ = ["rosbase_checks", "rosbase_presets", "rosbase_transports"]
 
+_WRONG_TOPIC = "is it the right topic?"
+_HINTS = {
+    "no_imu_data": _WRONG_TOPIC,
+    "not_data": _WRONG_TOPIC,
+    "not_utf8": _WRONG_TOPIC,
+    "overlong": _WRONG_TOPIC,
+}
+
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
     from imu_mqtt.transport import MqttTransport
@@ -41,7 +49,12 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 def rosbase_transports() -> Iterable[TransportPlugin]:
     """Payloads from a topic of a broker."""
     yield TransportPlugin(
-        "mqtt", "payloads from an MQTT broker", _create, parameters=PARAMETERS, simulate=_simulate
+        "mqtt",
+        "payloads from an MQTT broker",
+        _create,
+        parameters=PARAMETERS,
+        simulate=_simulate,
+        hints=_HINTS,
     )
 
 

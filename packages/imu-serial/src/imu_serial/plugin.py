@@ -19,6 +19,13 @@ from rosbase import (
 
 __all__ = ["rosbase_checks", "rosbase_transports"]
 
+_HINTS = {
+    "not_data": "a device may say so when it starts",
+    "not_utf8": "check the baud rate",
+    "overlong": "is it the right device and baud rate?",
+    "unended": "is it the right device and baud rate?",
+}
+
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
     from imu_serial.port import Port
@@ -48,7 +55,12 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 def rosbase_transports() -> Iterable[TransportPlugin]:
     """Lines from a serial port."""
     yield TransportPlugin(
-        "serial", "lines from a serial port", _create, parameters=PARAMETERS, simulate=_simulate
+        "serial",
+        "lines from a serial port",
+        _create,
+        parameters=PARAMETERS,
+        simulate=_simulate,
+        hints=_HINTS,
     )
 
 

@@ -7,7 +7,7 @@ from rosbase.contracts.transport import Transport
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.health import Health, HealthLevel
 from rosbase.imu.health_watch import HealthWatch
-from rosbase.imu.rejects import IGNORED, REASONS, REJECT_LOG_S
+from rosbase.imu.rejects import IGNORED, REJECT_LOG_S
 from rosbase.logger import RosbaseLogger
 
 __all__ = ["HealthMonitor"]
@@ -24,6 +24,7 @@ class HealthMonitor:
         stale_timeout_s: float,
         clock: Clock,
         logger: RosbaseLogger,
+        explain: Callable[[str], str],
     ) -> None:
         """Begin; call it before the transport is started.
 
@@ -34,15 +35,17 @@ class HealthMonitor:
             stale_timeout_s: Seconds without a sample after which the health is not OK.
             clock: Times the looks.
             logger: Logs each change, and what the transport could not make a frame of.
+            explain: Says what is known of a reason.
         """
         self._transport = transport
         self._counts = counts
         self._finding = finding
         self._clock = clock
         self._logger = logger
+        self._explain = explain
         self._said: dict[str, int] = dict(transport.health.frame_errors)
         begun = counts.snapshot(self._said)
-        self._watch = HealthWatch(stale_timeout_s, clock.monotonic_ns(), begun)
+        self._watch = HealthWatch(stale_timeout_s, clock.monotonic_ns(), begun, explain)
         self.health = Health(HealthLevel.OK, "waiting for the first sample")
         """The health at the last look."""
 
@@ -80,7 +83,8 @@ class HealthMonitor:
         """Log it, unless the same reason has just been logged; tell whether it was."""
         if not self._logger.due(f"reject {reason}", REJECT_LOG_S):
             return False
-        why = f" ({REASONS[reason]})" if reason in REASONS else ""
+        known = self._explain(reason)
+        why = f" ({known})" if known else ""
         say = self._logger.info if reason in IGNORED else self._logger.warning
         say(f"{what}: {reason}{why}; {number} so far")
         return True

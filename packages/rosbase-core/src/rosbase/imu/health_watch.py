@@ -1,11 +1,11 @@
 """Judge an active reader by its samples: pure, told the time, looked at a few times a second."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from rosbase.contracts.transport import TransportHealth, TransportState
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.health import Health, HealthLevel, without_figures
-from rosbase.imu.rejects import NO_SIGN_OF_LIFE, REASONS
+from rosbase.imu.rejects import NO_SIGN_OF_LIFE, meaning_of
 
 __all__ = ["HealthWatch", "device_fault"]
 
@@ -27,9 +27,23 @@ class HealthWatch:
     reason for which frames have been refused since then; or silence, if nothing has come.
     """
 
-    def __init__(self, stale_timeout_s: float, now_ns: int, counts: CountsSnapshot) -> None:
-        """Begin at activation, with that time on the monotonic clock and the counts so far."""
+    def __init__(
+        self,
+        stale_timeout_s: float,
+        now_ns: int,
+        counts: CountsSnapshot,
+        explain: Callable[[str], str] = meaning_of,
+    ) -> None:
+        """Begin at activation.
+
+        Args:
+            stale_timeout_s: Seconds without a sample after which the health is not OK.
+            now_ns: That time on the monotonic clock.
+            counts: What has been counted so far.
+            explain: Says what is known of a reason; an empty text if that is nothing.
+        """
         self._stale_s = stale_timeout_s
+        self._explain = explain
         self._published = counts.published
         self._has_sample = False
         # When a sample and data came last, or else when it was activated.
@@ -95,7 +109,7 @@ class HealthWatch:
         reason = self._commonest_reason(counts)
         is_silent = silence_s > self._patience_s(has_sent=has_sent)
         if reason and not is_silent:
-            return _unusable(reason, transport.pending_bytes)
+            return _unusable(reason, self._explain(reason), transport.pending_bytes)
         if is_sending:
             return _no_sample((now_ns - self._sample_ns) / _NS_PER_S)
         return _silence(silence_s, is_long=is_silent)
@@ -164,14 +178,14 @@ def _no_sample(seconds: float) -> Health:
     return Health(HealthLevel.WARN, f"no sample for {seconds:.1f} s")
 
 
-def _unusable(reason: str, pending_bytes: int) -> Health:
+def _unusable(reason: str, why: str, pending_bytes: int) -> Health:
     """Return the health of a reader whose device sends, but no samples.
 
     Args:
-        reason: Why most frames are refused.
+        reason: Why most frames are refused, in one word.
+        why: The same in half a line, or an empty text.
         pending_bytes: Bytes since the last end of a frame, which are what is wrong if `unended`.
     """
-    why = REASONS.get(reason, "")
     if reason == "unended" and pending_bytes:
         why = f"{pending_bytes} {why}"
     said = f"nothing usable arrives: {reason}"

@@ -98,6 +98,8 @@ class ImuMapping:
     """What a number is that a payload leaves out: `missing`, or `zero`."""
     numeric_strings: bool = False
     """Whether `"1.5"` counts as 1.5."""
+    sentinels: tuple[float, ...] = ()
+    """Numbers of the payload that mean that there is no reading."""
     quaternion_tolerance: float = 0.05
     """How far from 1 the norm of an orientation may be."""
 
@@ -119,8 +121,9 @@ class ImuMapping:
             (self._orientation(), *(self._vector(group) for group in VECTORS)),
             TimeMapping(self.time_paths, self.time_unit, self.time_interval),
             self.select,
-            self.numeric_strings,
-            self.absent,
+            numeric_strings=self.numeric_strings,
+            sentinels=self.sentinels,
+            absent=self.absent,
         )
 
     def _orientation(self) -> Quantity:

@@ -2,20 +2,26 @@
 
 from collections.abc import Iterable
 
+from rosbase.imu.checks.checksum import NO_CHECKSUM, compile_checksum, verified
+from rosbase.imu.checks.device_clock import DeviceClock
+from rosbase.imu.checks.device_dates import DeviceDates
+from rosbase.imu.checks.suite import Checks, CheckSettings
+from rosbase.imu.checks.undated import Undated
 from rosbase.imu.counts import Counts
-from rosbase.imu.date_order import DateOrder
+from rosbase.imu.diagnosis.explanations import Explanations
+from rosbase.imu.diagnosis.payload import mapped_by
 from rosbase.imu.mapping import Sample, SampleReader
 from rosbase.imu.outlet import Outlet
-from rosbase.imu.plausibility import Plausibility
-from rosbase.imu.rejects import IGNORED, REASONS, REJECT_LOG_S
+from rosbase.imu.rejects import REJECT_LOG_S
 from rosbase.imu.settings import ReaderSettings
-from rosbase.imu.undated import Undated
 from rosbase.logger import RosbaseLogger
 from rosbase.mapping.assembly import Batch
 from rosbase.mapping.rejects import Reject
 from rosbase.mapping.spreading import Spreading
 
 __all__ = ["Pipeline"]
+
+_LONGEST_SHOWN = 80
 
 
 class Pipeline:
@@ -35,22 +41,26 @@ class Pipeline:
         self._outlet = outlet
         self._counts = counts
         self._logger = logger
-        self._read_sample: SampleReader = settings.mapping.compile(
-            device_time=settings.uses_device_time
-        )
-        self._date_order = DateOrder() if settings.uses_device_time else None
-        self._plausibility = None if settings.plausibility == "off" else Plausibility()
-        self._refuses_implausible = settings.plausibility == "reject"
-        self._spreading = Spreading()
+        self._read_sample = _sample_reader(settings)
+        self._checks = Checks(settings.checks, settings.mapping)
+        self._judge = self._checks.judge
+        self._dates = _dates(settings.checks) if settings.uses_device_time else None
         self._undated = Undated()
+        self._spreading = Spreading()
+        self._explanations = Explanations(settings.transport.hints, mapped_by(settings.mapping))
         for note in settings.without_effect:
             logger.warning(note)
 
     @property
     def finding(self) -> str:
         """What is wrong with samples that are published, in one line; empty if nothing."""
-        found = self._plausibility.finding if self._plausibility else ""
-        return found or self._undated.finding
+        of_dates = self._dates.finding if self._dates else ""
+        found = (self._checks.finding, of_dates, self._undated.finding)
+        return "; ".join([finding for finding in found if finding])
+
+    def explain(self, reason: str) -> str:
+        """Say what is known of a reason for which frames are refused."""
+        return self._explanations.of(reason)
 
     def take(self, frame: bytes, stamp_ns: int) -> bool:
         """Publish the samples in a frame; tell whether there are any.
@@ -71,30 +81,37 @@ class Pipeline:
 
     def _pass_on(self, sample: Sample | Reject, frame: bytes, stamp_ns: int) -> bool:
         """Publish one sample of a frame, or drop it."""
-        refusal = sample if isinstance(sample, Reject) else self._check(sample, stamp_ns)
+        if isinstance(sample, Reject):
+            self._drop(sample, frame)
+            return False
+        refusal = self._judge(sample, stamp_ns)
+        if refusal is None and self._dates is not None:
+            stamp_ns, refusal = self._date(self._dates, sample, frame, stamp_ns)
         if refusal is not None:
             self._drop(refusal, frame)
             return False
-        assert isinstance(sample, Sample)
         if sample.left_out:
             self._note(sample.left_out, frame)
-        date_ns = sample.device_time_ns
-        if self._outlet.publish(sample, stamp_ns if date_ns is None else date_ns):
+        if self._outlet.publish(sample, stamp_ns):
             self._counts.published += 1
         else:
             self._counts.add("not_active")
         return True
 
-    def _check(self, sample: Sample, stamp_ns: int) -> Reject | None:
-        """Why the sample is to be dropped, if it is."""
-        if self._plausibility is not None and sample.linear_acceleration is not None:
-            self._plausibility.add(sample.linear_acceleration)
-            if self._refuses_implausible and self._plausibility.finding:
-                return Reject("implausible", self._plausibility.finding)
-        if self._date_order is None or sample.device_time_ns is None:
-            return None
-        self._undated.add(None)
-        return self._date_order.judge(sample, sample.device_time_ns, stamp_ns)
+    def _date(
+        self, dates: DeviceDates, sample: Sample, frame: bytes, arrived_ns: int
+    ) -> tuple[int, Reject | None]:
+        """Return the stamp of a sample, and why it is to be dropped, if it is."""
+        verdict = dates.judge(sample, arrived_ns)
+        if verdict is None:
+            return arrived_ns, None
+        if isinstance(verdict, int):
+            self._undated.add(None)
+            return verdict, None
+        if verdict.reason != "time_unusable":
+            return arrived_ns, verdict
+        self._note((verdict,), frame)
+        return arrived_ns, None
 
     def _note(self, left_out: Iterable[Reject], frame: bytes) -> None:
         """Count and log what a sample goes out without."""
@@ -106,18 +123,34 @@ class Pipeline:
             else:
                 number = self._counts.leave_out(reject.reason)
             if self._logger.due(f"left out {reject.reason}", REJECT_LOG_S):
-                self._logger.warning(f"used only part of {_told(frame, reject, number)}")
+                why = self._explanations.explain(reject, frame).text
+                self._logger.warning(f"used only part of {_told(frame, reject, why, number)}")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)
         # One line per reason and interval: a noisy line must not become a noisy log.
         if self._logger.due(f"reject {reject.reason}", REJECT_LOG_S):
+            cause = self._explanations.explain(reject, frame)
             number = self._counts.by_reason[reject.reason]
-            say = self._logger.info if reject.reason in IGNORED else self._logger.warning
-            say(f"dropped {_told(frame, reject, number)}")
+            say = self._logger.info if cause.is_harmless else self._logger.warning
+            say(f"dropped {_told(frame, reject, cause.text, number)}")
 
 
-def _told(frame: bytes, reject: Reject, number: int) -> str:
-    shown = frame if len(frame) <= 80 else frame[:80] + b"..."
-    why = reject.detail or REASONS[reject.reason]
+def _told(frame: bytes, reject: Reject, why: str, number: int) -> str:
+    shown = frame if len(frame) <= _LONGEST_SHOWN else frame[:_LONGEST_SHOWN] + b"..."
     return f"{shown!r}: {reject.reason} ({why}); {number} so far"
+
+
+def _sample_reader(settings: ReaderSettings) -> SampleReader:
+    read = settings.mapping.compile(device_time=settings.uses_device_time)
+    checks = settings.checks
+    if checks.checksum == NO_CHECKSUM:
+        return read
+    return verified(compile_checksum(checks.checksum, checks.checksum_separator), read)
+
+
+def _dates(settings: CheckSettings) -> DeviceDates:
+    if settings.device_clock == "off":
+        return DeviceDates()
+    clock = DeviceClock(settings.device_clock_limit_s)
+    return DeviceDates(clock, is_strict=settings.device_clock == "arrival")

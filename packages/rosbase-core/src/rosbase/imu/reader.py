@@ -205,6 +205,7 @@ class ImuReader(LifecycleNode):
             self._settings.stale_timeout_s,
             self.get_clock(),
             self.logger,
+            pipeline.explain,
         )
 
     def _replace_transport(self, transport: Transport) -> None:

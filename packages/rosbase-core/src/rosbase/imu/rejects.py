@@ -2,25 +2,30 @@
 
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 
-__all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S"]
+__all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S", "meaning_of"]
 
 REJECT_LOG_S = 5.0
 """Least seconds between two lines in the log about the same reason."""
 
 REASONS: dict[str, str] = {
     **PAYLOAD_REASONS,
+    "bad_checksum": "the checksum is not that of the line",
     "bad_topic": "a topic that MQTT does not allow; see how the device names it",
     "duplicate": "delivered once more",
     "empty": "nothing in it",
+    "frozen": "the same numbers again and again; does the sensor hang?",
     "implausible": "gravity is not what it should be at rest; is the unit right?",
+    "implausible_date": "a date far from all others",
+    "implausible_orientation": "gravity at rest is not where the orientation has it",
+    "no_checksum": "a line without the checksum that it should have",
     "no_frame": "bytes, and no frame among them; does it send more than blank lines?",
     "no_imu_data": "nothing that the mapping knows; is the preset right?",
     "not_active": "the node is not active",
     "other_topic": "of another device under the same wildcard",
     "out_of_order": "dated before one that has been published",
-    "overlong": "too long for a sample; is it the right device and baud rate?",
+    "overlong": "too long for a sample",
     "retained": "kept by the broker from an earlier time",
-    "unended": "bytes without an end of line; is it the right device and baud rate?",
+    "unended": "bytes without an end of line",
 }
 """Every reason, with what it means or what to check."""
 
@@ -31,3 +36,8 @@ IGNORED = frozenset(
 
 NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
 """Reasons that say nothing of the device that is read: whether it lives, or what it sends."""
+
+
+def meaning_of(reason: str) -> str:
+    """Return what a reason means; an empty text for one that a transport has of its own."""
+    return REASONS.get(reason, "")

@@ -6,6 +6,12 @@ from typing import Any
 from attrs import evolve, frozen
 
 from rosbase.errors import NotInstalledError, ParameterError
+from rosbase.imu.checks.parameters import (
+    CHECK_PARAMETERS,
+    checks_without_effect,
+    read_check_settings,
+)
+from rosbase.imu.checks.suite import CheckSettings
 from rosbase.imu.covariance import covariance_of
 from rosbase.imu.mapping import FULL_SCALES, GROUPS, MAX_TOLERANCE, VECTORS, ImuMapping
 from rosbase.imu.presets import DEFAULT_PRESET
@@ -90,6 +96,12 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
         description="whether a text such as 1.5 is a number",
     )
     yield ParameterSpec(
+        "mapping.sentinels",
+        [],
+        "numbers of the payload that mean no reading, such as -999; the quantity is then absent",
+        kind=ParameterKind.DOUBLE_ARRAY,
+    )
+    yield ParameterSpec(
         "mapping.quaternion_tolerance",
         0.05,
         "how far from 1 the norm of an orientation may be",
@@ -113,14 +125,7 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
     ParameterSpec(
         "stale_timeout", 1.0, "seconds without a sample after which health is WARN", minimum=0.001
     ),
-    _text(
-        "plausibility",
-        "warn",
-        "what to do when gravity at rest is not 9.81 m/s^2",
-        "warn",
-        "reject",
-        "off",
-    ),
+    *CHECK_PARAMETERS,
     _text(
         "autostart",
         "none",
@@ -161,7 +166,7 @@ class ReaderSettings:
     topic_namespace: str
     uses_device_time: bool
     stale_timeout_s: float
-    plausibility: str
+    checks: CheckSettings
     covariances: Mapping[str, Covariance]
     """By quantity; for those that a sample has."""
     without_effect: tuple[str, ...] = ()
@@ -245,7 +250,7 @@ def read_settings(
         topic_namespace=get("topic_namespace"),
         uses_device_time=get("time_source") == "device",
         stale_timeout_s=get("stale_timeout"),
-        plausibility=get("plausibility"),
+        checks=read_check_settings(get),
         covariances={
             group: covariance_of(f"{group}_stddev", get(f"{group}_stddev")) for group in GROUPS
         },
@@ -268,6 +273,10 @@ def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iter
         yield f"{tolerance.name} has no effect: mapping.orientation.paths is empty"
     if not settings.uses_device_time and _is_given("mapping.time.paths", get):
         yield "mapping.time.paths has no effect: time_source is arrival"
+    is_turned = bool(settings.mapping.orientation_paths)
+    yield from checks_without_effect(
+        get, uses_device_time=settings.uses_device_time, has_orientation=is_turned
+    )
 
 
 def _is_given(name: str, get: Callable[[str], Any]) -> bool:
@@ -294,6 +303,7 @@ def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
     }
     return ImuMapping(
         numeric_strings=get("mapping.numeric_strings"),
+        sentinels=tuple(get("mapping.sentinels")),
         quaternion_tolerance=get("mapping.quaternion_tolerance"),
         **{f"{group}_full_scale": get(f"{group}_full_scale") for group in VECTORS},
         **fields,

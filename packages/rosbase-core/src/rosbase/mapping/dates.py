@@ -14,9 +14,10 @@ __all__ = ["TIME_UNITS", "date_ns", "is_date"]
 TIME_UNITS: dict[str, int] = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}
 """Units of a single time value, in nanoseconds."""
 
-# A device that counts from its start is somewhere in 1970; a ROS stamp ends in 2038.
-_EARLIEST_NS = 946_684_800 * 1_000_000_000
-_LATEST_NS = (2**31 - 1) * 1_000_000_000
+# A device that counts from its start is somewhere in the 1970s. Whether a date from 1980 on, where
+# GPS begins, can be right is for those to say that know the time.
+_EARLIEST_NS = 315_532_800 * 1_000_000_000
+_LATEST_NS = 253_402_300_800 * 1_000_000_000
 
 
 def is_date(total_ns: int) -> bool:
@@ -49,7 +50,7 @@ def date_ns(
         return _unusable("a date before 1970")
     if total < _EARLIEST_NS:
         return _unusable(f"{total / 1e9:.6g} s after 1970 is an uptime, not a date")
-    return _unusable("a date after 2038-01-19; is mapping.time.unit right?")
+    return _unusable("a date after the year 9999; is mapping.time.unit right?")
 
 
 def _unusable(why: str) -> Reject:

@@ -43,6 +43,8 @@ class PayloadMapping:
     """Conditions such as `T=1002` that a payload must meet."""
     numeric_strings: bool = False
     """Whether `"1.5"` counts as 1.5."""
+    sentinels: tuple[float, ...] = ()
+    """Numbers that mean that there is no reading, as the payload has them."""
     absent: str = "missing"
     """The meaning of a number that the payload leaves out: `missing`, or `zero`."""
 
@@ -141,6 +143,7 @@ class PayloadMapping:
                 is_whole=is_whole,
                 guards=tuple(tuple(guards_of(w, covered, is_whole=is_whole)) for w in ways),
                 numeric_strings=self.numeric_strings,
+                sentinels=frozenset(self.sentinels),
                 absent_is_zero=self.absent == "zero",
                 has_object=len({w.steps[:-1] for w in ways}) == 1 and len(ways[0].steps) > 1,
                 finish=quantity.finish,

@@ -32,6 +32,8 @@ class Components:
     guards: tuple[tuple[Guard, ...], ...]
     """The guards of the indices on each way."""
     numeric_strings: bool = False
+    sentinels: frozenset[float] = frozenset()
+    """Numbers of the payload that mean that there is no reading."""
     absent_is_zero: bool = False
     """Whether the encoder leaves zeros out."""
     has_object: bool = False
@@ -99,7 +101,9 @@ class Judge:
         parent = follow(place, self._steps[0][:-1])
         return isinstance(parent, list) and len(parent) != len(self._steps)
 
-    def _convert(self, values: Sequence[object]) -> Numbers | Reject:
+    def _convert(self, values: Sequence[object]) -> Numbers | Reject | None:
+        if self._of.sentinels and any(self._is_sentinel(value) for value in values):
+            return None
         numbers: list[float] = []
         for value, factor in zip(values, self._of.factors, strict=True):
             number = to_float(value, numeric_strings=self._of.numeric_strings)
@@ -114,6 +118,10 @@ class Judge:
             numbers.append(scaled)
         finished = self._of.finish(tuple(numbers)) if self._of.finish else tuple(numbers)
         return self._named(finished) if isinstance(finished, Reject) else finished
+
+    def _is_sentinel(self, value: object) -> bool:
+        number = to_float(value, numeric_strings=self._of.numeric_strings)
+        return number in self._of.sentinels
 
     def _named(self, reject: Reject) -> Reject:
         return Reject(reject.reason, f"{self._of.name}: {reject.detail}")

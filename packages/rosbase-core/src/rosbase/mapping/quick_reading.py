@@ -28,7 +28,8 @@ def compile_reader(components: Components) -> Reader:
     ways = [way.steps for way in components.ways]
     parent = shared_parent(ways)
     keys = [way[-1] for way in ways if way and isinstance(way[-1], (str, int))]
-    if parent is None or len(keys) < len(ways) or len(keys) not in (3, 4):
+    is_usual = parent is not None and len(keys) == len(ways) and not components.sentinels
+    if parent is None or not is_usual or len(keys) not in (3, 4):
         return careful
     place = _Place(*_locator(parent), itemgetter(*keys), components, careful)
     return _read_three(place) if len(keys) == 3 else _read_four(place)

@@ -64,7 +64,10 @@ class Dates:
         if interval_ns is None:
             return [Reject("time_unusable", "nothing usable at mapping.time.interval")] * count
         dates = [start + at * interval_ns for at in range(count)]
-        return [date if is_date(date) else Reject("time_unusable", "after 2038") for date in dates]
+        return [
+            date if is_date(date) else Reject("time_unusable", "after the year 9999")
+            for date in dates
+        ]
 
     def _each(self, payload: object, ways: Sequence[Steps], count: int) -> list[Date]:
         """Return the dates by one alternative; empty if it is absent."""

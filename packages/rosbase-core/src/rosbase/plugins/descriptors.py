@@ -66,6 +66,11 @@ class TransportPlugin:
     """The parameters it adds to a reader's. The first says which device it is."""
     simulate: Callable[[], SimulatedDevice] | None = None
     """Opens a stand-in for a device, if there is one."""
+    hints: Mapping[str, str] = field(
+        default={},  # shown in the documentation; nobody writes to it
+        validator=validators.deep_mapping(validators.instance_of(str), validators.instance_of(str)),
+    )
+    """What the link may have to do with frames that are refused, by the reason that is counted."""
 
 
 @frozen
