@@ -19,7 +19,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "The IMU reader": ("imu",),
     "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),
-    "Transports": ("contracts.transport", "device", "framing"),
+    "Transports": ("contracts.transport", "contracts.stamper", "device", "framing"),
     "Backends": ("contracts.backend", "contracts.imu_sender", "local"),
     "Checks of `rosbase doctor`": ("contracts.checks",),
     "Time, waiting, logging": ("clock", "runtime", "logger"),

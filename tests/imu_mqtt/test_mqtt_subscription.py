@@ -1,12 +1,14 @@
 """Which messages are frames, and how those are handed over; without any broker."""
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from imu_mqtt.subscription import MAX_PAYLOAD_BYTES, Subscription
+from rosbase.contracts.stamper import Stamper
 from rosbase.contracts.transport import Tally
 from rosbase.errors import TransportError
 from support.mqtt_rig import context, elapsed
@@ -20,21 +22,47 @@ class Rig:
         self.frames: list[tuple[bytes, int]] = []
         self.tally = Tally()
         on_frame = on_frame or (lambda frame, stamp_ns: self.frames.append((frame, stamp_ns)))
-        self.subscription = Subscription(on_frame, self.tally, context(), is_filter=is_filter)
+        made = context()
+        self.stamper = Stamper(made, self.tally)
+        self.subscription = Subscription(
+            on_frame, self.tally, made, self.stamper, is_filter=is_filter
+        )
 
     def take(
         self,
+        *payloads: bytes,
+        topic: str = "a/imu",
+        retained: bool = False,
+        redelivered: bool = False,
+        fault: str = "",
+    ) -> None:
+        """Messages that were read together."""
+        read_ns = self.stamper.read()
+        for payload in payloads:
+            self.keep(
+                payload,
+                read_ns,
+                topic=topic,
+                retained=retained,
+                redelivered=redelivered,
+                fault=fault,
+            )
+        self.subscription.deliver(read_ns)
+
+    def keep(
+        self,
         payload: bytes,
-        stamp_ns: int = 7,
+        read_ns: int,
         *,
         topic: str = "a/imu",
         retained: bool = False,
         redelivered: bool = False,
         fault: str = "",
     ) -> None:
+        """One of several that are read together."""
         self.subscription.take(
             payload,
-            stamp_ns,
+            read_ns,
             topic=topic,
             retained=retained,
             redelivered=redelivered,
@@ -49,11 +77,13 @@ def started(call: Callable[[], object]) -> threading.Thread:
     return thread
 
 
-def test_a_message_is_a_frame_with_its_stamp() -> None:
+def test_a_message_is_a_frame_with_the_stamp_of_its_arrival() -> None:
     rig = Rig()
-    rig.take(b"{}", 5)
-    rig.take(b"\xff\0", 6)
-    assert rig.frames == [(b"{}", 5), (b"\xff\0", 6)]
+    before_ns = time.time_ns()
+    rig.take(b"{}")
+    rig.take(b"\xff\0")
+    assert [frame for frame, _ in rig.frames] == [b"{}", b"\xff\0"]
+    assert before_ns < rig.frames[0][1] < rig.frames[1][1] < time.time_ns()
     assert (rig.tally.frames, rig.tally.received_bytes, rig.tally.frame_errors) == (2, 4, {})
 
 
@@ -240,3 +270,44 @@ def test_a_fault_of_the_packet_counts_where_the_topic_is_ours() -> None:
     assert rig.tally.frame_errors == {
         "overlong": 1, "duplicate": 1, "other_topic": 1, "retained": 1,
     }  # fmt: skip
+
+
+def test_messages_that_were_read_together_have_stamps_that_rise() -> None:
+    rig = Rig()
+    rig.take(b"1", b"2", b"3", b"4")
+    assert [frame for frame, _ in rig.frames] == [b"1", b"2", b"3", b"4"]
+    stamps = [stamp_ns for _, stamp_ns in rig.frames]
+    assert stamps == sorted(set(stamps))
+    assert rig.subscription.kept == 0
+
+
+def test_messages_that_are_too_long_to_be_kept_together_are_handed_over_before() -> None:
+    rig = Rig()
+    most = b"x" * MAX_PAYLOAD_BYTES
+    read_ns = rig.stamper.read()
+    for _ in range(20):
+        rig.keep(most, read_ns)
+        assert rig.subscription.kept * MAX_PAYLOAD_BYTES <= 600_000
+    rig.subscription.deliver(read_ns)
+    stamps = [stamp_ns for _, stamp_ns in rig.frames]
+    assert len(stamps) == 20
+    assert stamps == sorted(set(stamps))
+
+
+def test_what_is_no_frame_takes_no_place_among_the_stamps() -> None:
+    alone, among = Rig(), Rig()
+    for rig, payloads in ((alone, [b"1", b"2"]), (among, [b"1", b"", b"\0", b"2"])):
+        for _ in range(20):
+            rig.take(*payloads)
+        assert len(rig.frames) == 40
+    assert among.tally.frame_errors == {"empty": 40}
+
+
+def test_of_messages_that_were_read_together_the_first_sample_locks_the_topic() -> None:
+    rig = Rig(is_filter=True)
+    read_ns = rig.stamper.read()
+    for payload, topic in ((b"1", "a/imu"), (b"2", "b/imu"), (b"3", "a/imu")):
+        rig.keep(payload, read_ns, topic=topic)
+    rig.subscription.deliver(read_ns)
+    assert [frame for frame, _ in rig.frames] == [b"1", b"3"]
+    assert rig.tally.frame_errors == {"other_topic": 1}

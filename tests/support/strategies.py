@@ -292,3 +292,43 @@ def date_streams(draw: st.DrawFn) -> list[DateEvent]:
         events.append(DateEvent(kind, x, date_ns, now_ns, run, since_step, now_ns - step_ns))
         since_step += kind != "outlier"
     return events
+
+
+class MadeRead(NamedTuple):
+    """What a reader finds, and what has become of the clocks since the read before."""
+
+    pause_ns: int
+    """Time since the read before."""
+    looks: bool
+    """Whether the reader looked in vain shortly before; if not, it stood still."""
+    frames: int
+    """How many frames the read completes."""
+    begins: bool
+    """Whether another frame is begun and not completed."""
+    step_ns: int
+    """By how much the date was set in the pause."""
+    held_ns: tuple[int, int]
+    """For how long somebody else had the processor before and after the date was read."""
+
+
+_pauses_ns = st.one_of(
+    st.integers(10_000, 1_000_000),
+    st.integers(1_000_000, 50_000_000),
+    st.integers(50_000_000, 2_000_000_000),
+    st.integers(2_000_000_000, 20_000_000_000),
+)
+_steps_ns = st.integers(50_000_000, 3_600_000_000_000).flatmap(lambda n: st.sampled_from([n, -n]))
+_held_ns = st.sampled_from([0, 0, 0, 500, 10_000_000])
+
+made_reads: st.SearchStrategy[list[MadeRead]] = st.lists(
+    st.builds(
+        MadeRead,
+        _pauses_ns,
+        st.booleans(),
+        st.sampled_from([0, 1, 1, 1, 1, 2, 3, 7, 40, 300]),
+        st.booleans(),
+        st.one_of(*[st.just(0)] * 4, _steps_ns),
+        st.tuples(_held_ns, _held_ns),
+    ),
+    max_size=40,
+)

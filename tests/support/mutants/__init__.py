@@ -1,6 +1,15 @@
 """Transports that each break one promise, and are otherwise as good as can be."""
 
-from support.mutants import calls, delivery, frames, health, losses, resources, unfinished
+from support.mutants import (
+    calls,
+    delivery,
+    frames,
+    health,
+    losses,
+    resources,
+    stamps,
+    unfinished,
+)
 from support.mutants.mutant import LEAKED, MUTANTS, RELEASE, Mutant
 
 __all__ = [
@@ -14,5 +23,6 @@ __all__ = [
     "health",
     "losses",
     "resources",
+    "stamps",
     "unfinished",
 ]

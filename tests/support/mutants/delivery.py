@@ -2,25 +2,11 @@
 
 import sys
 import threading
-from itertools import cycle
 
 from attrs import evolve
 
-from rosbase.clock import SystemClock
 from rosbase.contracts.transport import OnFrame, TransportHealth, TransportState
 from support.mutants.mutant import Wrapped, mutant
-
-SECOND_NS = 1_000_000_000
-
-
-class Stamped(Wrapped):
-    """Stamps frames by a rule of its own."""
-
-    def start(self, on_frame: OnFrame) -> None:
-        self.inner.start(lambda frame, stamp_ns: on_frame(frame, self.stamp(stamp_ns)))
-
-    def stamp(self, stamp_ns: int) -> int:
-        raise NotImplementedError
 
 
 @mutant("on-frame-is-called-on-one-thread-of-its-own", "20 threads called on_frame")
@@ -158,56 +144,6 @@ class DoesNotNoticeADeadReader(Wrapped):
     def health(self) -> TransportHealth:
         health = self.inner.health
         return evolve(health, state=TransportState.CONNECTED) if self.is_wanted else health
-
-
-@mutant("stamps-lie-between-sending-and-arrival", "after it was handed over")
-class StampsLate(Stamped):
-    def stamp(self, stamp_ns: int) -> int:
-        return stamp_ns + SECOND_NS
-
-
-@mutant("stamps-lie-between-sending-and-arrival", "before it was sent")
-class StampsFromTheStartOfTheMachine(Stamped):
-    def stamp(self, stamp_ns: int) -> int:
-        return self.context.clock.monotonic_ns()
-
-
-@mutant("the-stamp-is-that-of-the-first-bytes", "after the first half was read")
-class StampsWhenItIsWhole(Stamped):
-    def stamp(self, stamp_ns: int) -> int:
-        return self.context.clock.now_ns()
-
-
-@mutant("stamps-never-go-back", "a stamp went back by")
-class StampsWithJitter(Stamped):
-    def prepare(self) -> None:
-        self.jitter = cycle((0, -SECOND_NS))
-
-    def stamp(self, stamp_ns: int) -> int:
-        return stamp_ns + next(self.jitter)
-
-
-@mutant("time-is-that-of-the-given-clock", "the stamp is 36")
-class StampsWithAnotherClock(Stamped):
-    def stamp(self, stamp_ns: int) -> int:
-        return SystemClock.now_ns()
-
-
-@mutant("time-is-that-of-the-given-clock", "last_data_ns is not the clock's")
-class DatesDataWithAnotherClock(Wrapped):
-    @property
-    def health(self) -> TransportHealth:
-        return evolve(self.inner.health, last_data_ns=SystemClock.monotonic_ns())
-
-
-@mutant("stamps-lie-between-sending-and-arrival", "none was stamped sooner than 0.0")
-class StampsAfterItsWork(Wrapped):
-    def start(self, on_frame: OnFrame) -> None:
-        def work(frame: bytes, stamp_ns: int) -> None:
-            SystemClock.sleep(0.03)
-            on_frame(frame, self.context.clock.now_ns())
-
-        self.inner.start(work)
 
 
 @mutant("what-on-frame-raises-is-logged", "was logged 40 times for 40 frames")

@@ -48,14 +48,17 @@ class Connection:
         clock: Clock,
         on_message: OnMessage,
         is_wanted: Callable[[], bool],
+        on_look: Callable[[], object] = lambda: None,
     ) -> None:
         """Prepare to connect.
 
         Args:
             config: To which broker, and as whom.
-            clock: For stamps and deadlines.
+            clock: For deadlines.
             on_message: Gets the messages. It must not raise.
             is_wanted: Asked while an answer is awaited: whether to go on waiting.
+            on_look: Called in each `turn` when the network has been looked at, before anything
+                is read.
 
         Raises:
             TransportError: The password or a certificate cannot be read.
@@ -65,8 +68,7 @@ class Connection:
         self._on_message = on_message
         self._is_wanted = is_wanted
         self._is_awaiting = False
-        self.arrived_ns = 0
-        """When what is being read could be read, in nanoseconds since the epoch."""
+        self._on_look = on_look
         self._reader = PacketReader(is_5=config.version == "5")
         # Whether there may be whole packets in the reader.
         self._is_behind = False
@@ -154,7 +156,7 @@ class Connection:
         sock = self._socket
         has_some = self._is_behind or sock.pending()
         events = self._await_event(sock, 0.0 if has_some else timeout_s)
-        self.arrived_ns = self._clock.now_ns()
+        self._on_look()
         if not self._is_behind and (has_some or events & ~select.POLLOUT):
             self._reader.add(sock.fill(self._reader.room()))
             has_some = True

@@ -10,11 +10,16 @@ from imu_mqtt.config import MqttConfig
 from imu_mqtt.connection import Connection
 from imu_mqtt.dialing import RefusedError
 from imu_mqtt.subscription import Subscription
-from rosbase import Backoff, Tally, TransportContext, TransportError, WakePipe
+from rosbase import Backoff, Stamper, Tally, TransportContext, TransportError, WakePipe
 
 __all__ = ["NetworkThread"]
 
 _TURN_S = 0.5
+# After a stall, how long to wait for what comes behind the messages that have waited.
+_SETTLE_S = 0.001
+# So many are read at once at most, for meanwhile, and while they are handed over, nobody answers
+# the broker's pings.
+_MOST_AT_ONCE = 1_500
 # Who was refused will be so for some time.
 _SLOW_S = 5.0
 # So is, less surely, who was thrown out again and again: the broker may just have been restarted.
@@ -32,11 +37,17 @@ class NetworkThread:
     It alone touches the connection. Others say what is wanted, and wake it.
     """
 
-    def __init__(self, config: MqttConfig, context: TransportContext, tally: Tally) -> None:
+    def __init__(
+        self, config: MqttConfig, context: TransportContext, tally: Tally, stamper: Stamper
+    ) -> None:
         """Prepares to connect."""
         self._config = config
         self._context = context
         self._tally = tally
+        self._stamper = stamper
+        # When the network was last looked at, and whether that look goes on with the next.
+        self._looked_ns = 0
+        self._reads_on = False
         self._wanted: Subscription | None = None
         self._made: Subscription | None = None
         self._connection: Connection | None = None
@@ -123,7 +134,11 @@ class NetworkThread:
         """One connection, from its beginning to its end; gives how long to wait after it."""
         try:
             self._connection = Connection(
-                self._config, self._context.clock, self._take, lambda: not self._stopping
+                self._config,
+                self._context.clock,
+                self._take,
+                lambda: not self._stopping,
+                self._look,
             )
             self._connection.open()
             self._is_let_in = True
@@ -143,11 +158,39 @@ class NetworkThread:
         while not self._stopping:
             if self._wanted is not self._made:
                 self._resubscribe(connection)
-            if not connection.turn(_TURN_S):
+            if not self._turn(connection):
                 raise TransportError(connection.end)
             self._wakeup.drain()
             if not self._is_proved and self._context.clock.monotonic_ns() > self._proved_from_ns:
                 self._note_proved()
+
+    def _turn(self, connection: Connection) -> bool:
+        """Hands over what has arrived, together; tells whether the connection still stands."""
+        subscription = self._made
+        try:
+            stands = connection.turn(_TURN_S)
+            if subscription is not None and subscription.kept and self._stamper.has_waited:
+                stands = stands and self._read_on(connection, subscription)
+        finally:
+            # Also if the connection was lost behind them.
+            if subscription is not None:
+                subscription.deliver(self._looked_ns)
+        return stands
+
+    def _read_on(self, connection: Connection, subscription: Subscription) -> bool:
+        """Reads all that has waited; tells whether the connection still stands."""
+        self._reads_on = True
+        try:
+            kept, stands = 0, True
+            while stands and not self._stopping and kept < subscription.kept < _MOST_AT_ONCE:
+                kept = subscription.kept
+                stands = connection.turn(_SETTLE_S)
+        finally:
+            self._reads_on = False
+        return stands
+
+    def _look(self) -> None:
+        self._looked_ns = self._stamper.more() if self._reads_on else self._stamper.read()
 
     def _resubscribe(self, connection: Connection) -> None:
         wanted = self._wanted
@@ -165,14 +208,14 @@ class NetworkThread:
             raise
         # What came before the broker's answer was sent before, to the last subscription.
         self._made = wanted
+        self._stamper.begin()
         wanted.answer()
 
     def _take(self, message: Any) -> None:
-        subscription, connection = self._made, self._connection
-        if subscription is not None and connection is not None:
-            subscription.take(
+        if self._made is not None:
+            self._made.take(
                 message.payload,
-                connection.arrived_ns,
+                self._looked_ns,
                 topic=message.topic,
                 retained=message.retain,
                 redelivered=message.dup,

@@ -4,7 +4,15 @@ import threading
 from collections import deque
 
 from imu_mqtt.topic_lock import TopicLock
-from rosbase import OnFrame, Tally, TransportContext, TransportError, hand_over, printable
+from rosbase import (
+    OnFrame,
+    Stamper,
+    Tally,
+    TransportContext,
+    TransportError,
+    hand_over,
+    printable,
+)
 
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
 
@@ -12,6 +20,8 @@ MAX_PAYLOAD_BYTES = 65_536
 """Longer payloads are refused. Known IMUs stay under 500 bytes."""
 
 _REMEMBERED = 100
+# Of what is read together, so much is kept until all of it is there.
+_MOST_KEPT_BYTES = 512 * 1024
 _BLANK = b"\0 \t\r\n"
 # What another device sends, or once sent, must not hide that ours is silent.
 _NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
@@ -21,7 +31,13 @@ class Subscription:
     """Takes messages on the network thread, in the order of their arrival."""
 
     def __init__(
-        self, on_frame: OnFrame, tally: Tally, context: TransportContext, *, is_filter: bool
+        self,
+        on_frame: OnFrame,
+        tally: Tally,
+        context: TransportContext,
+        stamper: Stamper,
+        *,
+        is_filter: bool,
     ) -> None:
         """Begins with no message seen.
 
@@ -29,12 +45,17 @@ class Subscription:
             on_frame: Gets the frames.
             tally: Where everything is counted.
             context: For the log.
+            stamper: Stamps the frames.
             is_filter: Whether it has a wildcard. Of several topics the first that gives a sample
                 is read, until it gives none for the context's `stale_timeout_s`.
         """
         self._on_frame: OnFrame | None = on_frame
         self._tally = tally
         self._context = context
+        self._stamper = stamper
+        # What was read together, with its topics, until all of it is there.
+        self._kept: list[tuple[bytes, str]] = []
+        self._kept_bytes = 0
         self._lock = TopicLock(context.stale_timeout_s, context.logger) if is_filter else None
         self._has_named_bad_topic = False
         # Hashes, because a hundred long payloads would be some megabytes.
@@ -74,7 +95,7 @@ class Subscription:
     def take(
         self,
         payload: bytes,
-        stamp_ns: int,
+        read_ns: int,
         *,
         topic: str,
         retained: bool,
@@ -82,11 +103,11 @@ class Subscription:
         fault: str,
         size: int,
     ) -> None:
-        """Hand a message over, or count why it is no frame.
+        """Keep a message until those that came with it are there, or count why it is no frame.
 
         Args:
             payload: What is in it; empty if it was too long to be kept.
-            stamp_ns: When it could be read.
+            read_ns: The moment of the read, as the stamper gave it, for `deliver`.
             topic: Where it was published.
             retained: Whether the broker has kept it from an earlier time.
             redelivered: Whether the broker says that it sends it again.
@@ -95,21 +116,48 @@ class Subscription:
         """
         tally = self._tally
         tally.received_bytes += size
-        now_ns = self._context.clock.monotonic_ns()
-        reason = self._refuses(payload, topic, retained, redelivered, fault, now_ns)
+        reason = self._refuses(payload, topic, retained, redelivered, fault, read_ns)
         if reason not in _NO_SIGN_OF_LIFE:
-            tally.last_data_ns = now_ns
+            tally.last_data_ns = read_ns
         if reason:
             tally.count_error(reason)
+            return
+        self._kept.append((payload, topic))
+        self._kept_bytes += len(payload)
+        if self._kept_bytes > _MOST_KEPT_BYTES:
+            self.deliver(read_ns)
+
+    @property
+    def kept(self) -> int:
+        """How many frames wait for `deliver`."""
+        return len(self._kept)
+
+    def deliver(self, read_ns: int) -> None:
+        """Stamp the frames that were read together, at that moment, and hand them over."""
+        kept, self._kept, self._kept_bytes = self._kept, [], 0
+        stamp_ns = self._stamper.one(read_ns) if len(kept) == 1 else None
+        if stamp_ns is not None:
+            self._hand_over(*kept[0], stamp_ns, read_ns)
+        elif kept:
+            stamps = self._stamper.many([read_ns] * len(kept))
+            for (frame, topic), dated_ns in zip(kept, stamps, strict=True):
+                if dated_ns is not None:
+                    self._hand_over(frame, topic, dated_ns, read_ns)
+
+    def _hand_over(self, frame: bytes, topic: str, stamp_ns: int, read_ns: int) -> None:
+        lock = self._lock
+        # A message read together with it may have locked another topic.
+        if lock is not None and not lock.admits(topic, read_ns):
+            self._tally.count_error("other_topic")
             return
         with self._delivering:
             on_frame = self._on_frame
             if on_frame is None:
                 return
-            tally.frames += 1
-            is_sample = hand_over(on_frame, payload, stamp_ns, self._context.logger)
-            if is_sample and self._lock is not None:
-                self._lock.note_sample(topic, now_ns)
+            self._tally.frames += 1
+            is_sample = hand_over(on_frame, frame, stamp_ns, self._context.logger)
+            if is_sample and lock is not None:
+                lock.note_sample(topic, read_ns)
 
     def _refuses(
         self,

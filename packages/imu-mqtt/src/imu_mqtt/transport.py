@@ -7,6 +7,7 @@ from imu_mqtt.network_thread import NetworkThread
 from imu_mqtt.subscription import Subscription
 from rosbase import (
     OnFrame,
+    Stamper,
     Tally,
     Transport,
     TransportContext,
@@ -32,6 +33,7 @@ class MqttTransport(Transport):
         self._config = config
         self._context = context
         self._tally = Tally()
+        self._stamper = Stamper(context, self._tally)
         self._network: NetworkThread | None = None
         self._subscription: Subscription | None = None
         self._left_behind: list[NetworkThread] = []
@@ -64,7 +66,11 @@ class MqttTransport(Transport):
             if self._subscription is not None or self._network is None:
                 return
             subscription = Subscription(
-                on_frame, self._tally, self._context, is_filter=self._config.is_filter
+                on_frame,
+                self._tally,
+                self._context,
+                self._stamper,
+                is_filter=self._config.is_filter,
             )
             self._network.want(subscription)
             refusal = subscription.await_answer(_ANSWER_TIMEOUT_S)
@@ -121,7 +127,7 @@ class MqttTransport(Transport):
 
     def _begin_network(self) -> NetworkThread:
         try:
-            network = NetworkThread(self._config, self._context, self._tally)
+            network = NetworkThread(self._config, self._context, self._tally, self._stamper)
             # Known before it runs: `close` asks it to stop without waiting for `open`.
             self._network = network
             network.start()

@@ -10,6 +10,7 @@ import serial
 from serial.tools import list_ports
 
 from imu_serial.config import SerialConfig
+from imu_serial.uart import bytes_per_s
 from rosbase import (
     DeviceBusyError,
     DeviceNotFoundError,
@@ -62,6 +63,8 @@ class Port:
         # Read into one buffer: a new one for each chunk, cut to size, would fragment the heap.
         self._buffer = bytearray(_CHUNK_BYTES)
         self._view = memoryview(self._buffer)
+        self.bytes_per_s = bytes_per_s(path, config.baudrate)
+        """How many bytes a second come at most, where that is known."""
         self._refuse_others()
 
     def fileno(self) -> int:

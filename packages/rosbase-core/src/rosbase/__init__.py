@@ -35,6 +35,9 @@ if TYPE_CHECKING:
         ParameterStore,
         refused,
     )
+    from rosbase.contracts.stamper import (
+        Stamper,
+    )
     from rosbase.contracts.transport import (
         OnFrame,
         SimulatedDevice,
@@ -243,6 +246,7 @@ __all__ = [
     "RosbaseLogger",
     "SetParametersResult",
     "SimulatedDevice",
+    "Stamper",
     "State",
     "Subscription",
     "SystemClock",
@@ -349,6 +353,7 @@ _HOMES = {
     "RosbaseLogger": "rosbase.logger",
     "SetParametersResult": "rosbase.parameters",
     "SimulatedDevice": "rosbase.contracts.transport",
+    "Stamper": "rosbase.contracts.stamper",
     "State": "rosbase.lifecycle",
     "Subscription": "rosbase.contracts.backend",
     "SystemClock": "rosbase.clock",

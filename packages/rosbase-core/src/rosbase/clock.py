@@ -26,6 +26,10 @@ class Clock(Protocol):
         """Nanoseconds from an arbitrary start; never goes back. For intervals and deadlines."""
         ...
 
+    def suspended_ns(self) -> int:
+        """Return for how long the machine has slept, which `monotonic_ns` leaves out."""
+        ...
+
     def sleep(self, seconds: float) -> None:
         """Blocks for that long, whatever other threads do."""
         ...
@@ -55,6 +59,13 @@ class SystemClock:
     def now(self) -> Time:
         """The date, for stamps."""
         return Time.from_nanoseconds(time.time_ns())
+
+    @staticmethod
+    def suspended_ns() -> int:
+        """Return for how long the machine has slept since it was started; 0 but on Linux."""
+        if not hasattr(time, "CLOCK_BOOTTIME"):
+            return 0
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME) - time.monotonic_ns()
 
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
         """A function that waits for a lock, for so many seconds at most."""

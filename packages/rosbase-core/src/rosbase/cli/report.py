@@ -50,7 +50,12 @@ def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) ->
     if counts.time_unusable:
         yield f"time_unusable {counts.time_unusable}"
     yield f"dropped {dropped}"
-    yield f"reconnects {reader.transport_health.reconnects}"
+    transport = reader.transport_health
+    yield f"reconnects {transport.reconnects}"
+    if transport.late_frames:
+        yield f"late_frames {transport.late_frames}"
+    if transport.clock_steps:
+        yield f"clock_steps {transport.clock_steps}"
     if latency is not None and latency.count:
         yield f"latency_p50_ms {_ms(latency, 50):.3f}"
         yield f"latency_p99_ms {_ms(latency, 99):.3f}"

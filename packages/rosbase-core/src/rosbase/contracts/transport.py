@@ -34,6 +34,7 @@ from attrs import define, field, frozen
 from rosbase.clock import Clock
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import ParameterValue
+from rosbase.stamps import Rhythm
 
 __all__ = [
     "OnFrame",
@@ -86,6 +87,18 @@ class TransportHealth:
     """
     pending_bytes: int = 0
     """Bytes that arrived since the last end of a frame, as far as the transport knows."""
+    interval_ns: int = 0
+    """The usual time between two frames; 0 while it is not known."""
+    jitter_ns: int = 0
+    """How far from the usual interval frames arrive, on average."""
+    clock_steps: int = 0
+    """How often the date was set while frames came."""
+    late_frames: int = 0
+    """Frames that waited for more than a second, because nobody read.
+
+    Those among them that nobody can date are not handed over: they are in `frame_errors` too, as
+    `late`.
+    """
 
 
 @define
@@ -98,6 +111,9 @@ class Tally:
     reconnects: int = 0
     last_data_ns: int | None = None
     last_error: str = ""
+    clock_steps: int = 0
+    late_frames: int = 0
+    rhythm: Rhythm = field(factory=Rhythm)
 
     def count_error(self, reason: str) -> None:
         """Counts something that could not become a frame.
@@ -120,6 +136,10 @@ class Tally:
             self.reconnects,
             self.last_data_ns,
             self.last_error,
+            interval_ns=self.rhythm.interval_ns,
+            jitter_ns=self.rhythm.jitter_ns,
+            clock_steps=self.clock_steps,
+            late_frames=self.late_frames,
         )
 
 
@@ -131,6 +151,8 @@ class TransportContext:
     logger: RosbaseLogger
     stale_timeout_s: float = 1.0
     """Seconds without a sample after which a device counts as silent: the reader's parameter."""
+    frames_are_dated: bool = False
+    """Whether frames carry dates of their own, so that none is dropped because it came late."""
 
 
 def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLogger) -> bool:

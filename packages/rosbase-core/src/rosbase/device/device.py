@@ -12,7 +12,12 @@ __all__ = ["Device", "OpenDevice", "give_back"]
 
 
 class Device(Protocol):
-    """A device, or a link to one, that is open. One thread at a time calls it."""
+    """A device, or a link to one, that is open. One thread at a time calls it.
+
+    A device may have an attribute `bytes_per_s`: how many bytes a second come at most, on a line
+    that hands them over as they come, such as a UART. A few frames that are read together are
+    then stamped no farther apart than they were on the line.
+    """
 
     @property
     def name(self) -> str:

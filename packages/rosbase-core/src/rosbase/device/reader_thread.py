@@ -3,10 +3,12 @@
 import select
 import threading
 
-from rosbase.contracts.transport import OnFrame, Tally, TransportContext, hand_over
+from rosbase.contracts.stamper import Stamper
+from rosbase.contracts.transport import OnFrame, Tally, TransportContext
 from rosbase.device.device import Device, OpenDevice, give_back
+from rosbase.device.intake import Intake
 from rosbase.errors import TransportError
-from rosbase.framing import Frame, Framer
+from rosbase.framing import Framer
 from rosbase.runtime.backoff import Backoff
 from rosbase.runtime.wake_pipe import WakePipe
 
@@ -18,6 +20,8 @@ __all__ = ["ReaderThread"]
 _HURRIED_NS = 500_000
 _SMALL_BYTES = 512
 _GATHER_S = 0.001
+# How often whoever waits for data looks and sees that there is none.
+_LOOK_MS = 500
 
 
 class ReaderThread:
@@ -34,12 +38,14 @@ class ReaderThread:
         device: Device | None,
         on_frame: OnFrame,
         tally: Tally,
+        stamper: Stamper,
     ) -> None:
         """Prepares to read `device`, or to wait for one."""
         self._open_device = open_device
         self._context = context
-        self._framer = framer
-        self._on_frame = on_frame
+        self._is_stream = framer is not None
+        self._stamper = stamper
+        self._intake = Intake(framer, on_frame, context, tally, stamper)
         self._tally = tally
         self._backoff = Backoff()
         self._stopping = False
@@ -80,7 +86,7 @@ class ReaderThread:
 
     def request_stop(self) -> None:
         """Asks the thread to end. It does so after the frame that it is handing over."""
-        self._stopping = True
+        self._stopping = self._intake.is_ended = True
         self._wakeup.wake()
 
     def close_device_at_end(self) -> None:
@@ -114,47 +120,36 @@ class ReaderThread:
 
     def _read(self, device: Device) -> None:
         """Reads until the device is lost or the thread is to end."""
-        if self._framer is not None:
-            self._framer.reset()
+        intake, stamper = self._intake, self._stamper
+        intake.begin(device)
         fd = device.fileno()
         readable = select.poll()
         readable.register(fd, select.POLLIN)
         readable.register(self._wakeup, select.POLLIN)
         monotonic_ns = self._context.clock.monotonic_ns
+
+        def read_within(timeout_ms: int) -> bytes:
+            ready = readable.poll(timeout_ms)
+            return device.read() if len(ready) == 1 and ready[0][0] == fd else b""
+
         try:
             while not self._stopping:
                 asked_ns = monotonic_ns()
-                ready = readable.poll()
-                data = device.read() if len(ready) == 1 and ready[0][0] == fd else b""
-                if data:
-                    waited_ns = monotonic_ns() - asked_ns
-                    self._take(data)
-                    is_small = self._framer is not None and len(data) < _SMALL_BYTES
-                    if waited_ns < _HURRIED_NS and is_small:
-                        self._sleep(_GATHER_S)
+                data = read_within(_LOOK_MS)
+                if not data:
+                    stamper.look()
+                    continue
+                # Only data proves that a device works: some open and fail again and again.
+                self._backoff.reset()
+                read_ns = intake.take(data, read_within)
+                is_small = self._is_stream and len(data) < _SMALL_BYTES
+                if read_ns - asked_ns < _HURRIED_NS and is_small:
+                    self._sleep(_GATHER_S)
         except TransportError as error:
             self._has_lost_device = True
             # Before the state says that the device is gone: who sees that may ask why.
             self._say(error)
             self._close_device()
-
-    def _take(self, data: bytes) -> None:
-        """Hands over the frames that the data completes."""
-        context, tally = self._context, self._tally
-        stamp_ns = context.clock.now_ns()
-        tally.last_data_ns = context.clock.monotonic_ns()
-        tally.received_bytes += len(data)
-        # Only data proves that a device works: some open and fail again and again.
-        self._backoff.reset()
-        framer = self._framer
-        for event in [Frame(data, stamp_ns)] if framer is None else framer.feed(data, stamp_ns):
-            if self._stopping:
-                return
-            if isinstance(event, Frame):
-                tally.frames += 1
-                hand_over(self._on_frame, event.data, event.stamp_ns, context.logger)
-            else:
-                tally.count_error(event.reason)
 
     def _reopen(self) -> Device | None:
         """The device, when it is there again; None if the thread is to end first."""
@@ -172,13 +167,13 @@ class ReaderThread:
                 return device
         return None
 
-    @staticmethod
-    def _discard_input(device: Device) -> None:
+    def _discard_input(self, device: Device) -> None:
         try:
             device.discard_input()
         except TransportError:
             # It has been lost, and the thread will find out.
             pass
+        self._stamper.begin()
 
     def _sleep(self, seconds: float) -> bool:
         """Waits; true at once if the thread is to end."""

@@ -4,6 +4,7 @@ import threading
 
 from attrs import evolve
 
+from rosbase.contracts.stamper import Stamper
 from rosbase.contracts.transport import (
     OnFrame,
     Tally,
@@ -53,6 +54,7 @@ class DeviceTransport(Transport):
         self._framer = framer
         self._waits_for_device = waits_for_device
         self._tally = Tally()
+        self._stamper = Stamper(context, self._tally)
         self._device: Device | None = None
         self._reader: ReaderThread | None = None
         self._left_behind: list[ReaderThread] = []
@@ -93,7 +95,13 @@ class DeviceTransport(Transport):
             device = self._device
             try:
                 reader = ReaderThread(
-                    self._open_device, self._context, self._framer, device, on_frame, self._tally
+                    self._open_device,
+                    self._context,
+                    self._framer,
+                    device,
+                    on_frame,
+                    self._tally,
+                    self._stamper,
                 )
                 # Known before it runs: the first frame may make `on_frame` call us.
                 self._reader, self._device = reader, None

@@ -20,7 +20,7 @@ DIAGNOSTICS_TOPIC = "/diagnostics"
 
 _PERIOD_S = 1.0
 _DEPTH = 10
-_NS_PER_S = 1_000_000_000
+_NS_PER_S, _NS_PER_MS = 1_000_000_000, 1_000_000
 _SUCCESS = CallbackReturn.SUCCESS.label
 
 
@@ -112,6 +112,10 @@ class Diagnostics:
         for reason, number in sorted(counts.left_out.items()):
             yield f"left out: {reason}", str(number)
         yield "time unusable", str(counts.time_unusable)
+        yield "usual interval (ms)", f"{transport.interval_ns / _NS_PER_MS:.3f}"
+        yield "arrival jitter (ms)", f"{transport.jitter_ns / _NS_PER_MS:.3f}"
+        yield "clock steps", str(transport.clock_steps)
+        yield "late frames", str(transport.late_frames)
         yield "reconnects", str(transport.reconnects)
         yield "last error", transport.last_error
 

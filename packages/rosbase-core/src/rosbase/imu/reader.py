@@ -194,7 +194,12 @@ class ImuReader(LifecycleNode):
         self._publishers.clear()
 
     def _make_transport(self, settings: ReaderSettings) -> Transport:
-        context = TransportContext(self.get_clock(), self.logger, settings.stale_timeout_s)
+        context = TransportContext(
+            self.get_clock(),
+            self.logger,
+            settings.stale_timeout_s,
+            frames_are_dated=settings.uses_device_time,
+        )
         return make_transport(settings.transport, settings.transport_values, context)
 
     def _make_monitor(self, transport: Transport, pipeline: Pipeline) -> HealthMonitor:

@@ -40,6 +40,8 @@ class ManualClock:
         """The date at which the clock was started. Set it to step the date, as NTP may."""
         self.elapsed_ns = 0
         """How long it has been running."""
+        self.asleep_ns = 0
+        """For how long the machine has slept; see `suspend`."""
         self._last_ns = 0
         self._looks = 0
 
@@ -49,7 +51,11 @@ class ManualClock:
 
     def now_ns(self) -> int:
         """The date in nanoseconds since the Unix epoch."""
-        return self.date_ns + self.elapsed_ns
+        return self.date_ns + self.elapsed_ns + self.asleep_ns
+
+    def suspended_ns(self) -> int:
+        """Return for how long the machine has slept."""
+        return self.asleep_ns
 
     def monotonic_ns(self) -> int:
         """Nanoseconds since the clock was started.
@@ -77,6 +83,10 @@ class ManualClock:
         if seconds < 0:
             raise ValueError(f"time cannot be turned back by {-seconds:g} s")
         self.elapsed_ns += round(seconds * _NS_PER_S)
+
+    def suspend(self, seconds: float) -> None:
+        """Have the machine sleep, as a laptop does: only the date goes on."""
+        self.asleep_ns += round(seconds * _NS_PER_S)
 
     def sleep(self, seconds: float) -> None:
         """Moves on by that long."""

@@ -8,6 +8,7 @@ from rosbase.testing.transport_kit.health import HealthChecks
 from rosbase.testing.transport_kit.losses import LossChecks
 from rosbase.testing.transport_kit.machine import HistoryChecks
 from rosbase.testing.transport_kit.resources import ResourceChecks
+from rosbase.testing.transport_kit.stamps import StampChecks
 
 __all__ = ["TransportContract"]
 
@@ -17,6 +18,7 @@ class TransportContract(
     ResourceChecks,
     HealthChecks,
     LossChecks,
+    StampChecks,
     DeliveryChecks,
     FrameChecks,
     BoundChecks,

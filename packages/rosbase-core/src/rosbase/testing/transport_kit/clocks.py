@@ -4,7 +4,7 @@ import threading
 
 from rosbase.clock import SystemClock
 
-__all__ = ["FailingClock", "ShiftedClock"]
+__all__ = ["FailingClock", "ShiftedClock", "SteppingClock"]
 
 _HOUR_NS = 3_600_000_000_000
 
@@ -21,6 +21,19 @@ class ShiftedClock(SystemClock):
     def monotonic_ns() -> int:
         """What the system's will say in two hours."""
         return SystemClock.monotonic_ns() + 2 * _HOUR_NS
+
+
+class SteppingClock(SystemClock):
+    """The system's clock, whose date is set by the test."""
+
+    def __init__(self) -> None:
+        """Be right."""
+        self.ahead_ns = 0
+        """How far the date is ahead of the system's."""
+
+    def now_ns(self) -> int:
+        """Return the date."""
+        return SystemClock.now_ns() + self.ahead_ns
 
 
 class FailingClock(SystemClock):

@@ -1,0 +1,116 @@
+"""The one place that stamps frames, for every transport."""
+
+from collections.abc import Sequence
+
+from rosbase.contracts.transport import Tally, TransportContext
+from rosbase.stamps import Timeline
+
+__all__ = ["Stamper"]
+
+_SAY_S = 5.0
+_NS_PER_S = 1_000_000_000
+
+
+class Stamper:
+    """Stamps the frames of a transport; counts and logs what is late, and a date that is set.
+
+    A transport has one for its life, and calls it on its reader thread: `begin` when reading
+    begins, `look` when it looked for data and there was none, `read` when there was some, and
+    then `one` or `many` for the frames.
+    """
+
+    def __init__(self, context: TransportContext, tally: Tally) -> None:
+        """Take the clock and the logger of `context`, and count in `tally`."""
+        clock = self._clock = context.clock
+        self._logger = context.logger
+        self._tally = tally
+        self._timeline = timeline = Timeline(tally.rhythm, keeps_all=context.frames_are_dated)
+        self._asleep_ns = clock.suspended_ns()
+        now_ns, monotonic_ns = clock.now_ns, clock.monotonic_ns
+
+        def read() -> int:
+            return timeline.read(now_ns(), monotonic_ns())
+
+        self.read = read
+        """Note that something has been read; return the moment, for the framer."""
+        self.one = timeline.one
+        """Return the stamp of the only frame of a read; None if `many` is to be asked.
+
+        The argument is what `read` gave when the frame began.
+        """
+        timeline.begin(monotonic_ns())
+
+    def begin(self) -> None:
+        """Note that reading begins: what comes now was sent after this moment."""
+        self._timeline.shift(self._slept_ns())
+        self._timeline.begin(self._clock.monotonic_ns())
+
+    def look(self) -> None:
+        """Note that there is nothing to read at this moment.
+
+        A reader that waits for data wakes up for this twice a second. So it is known of all that
+        it reads that it has not waited for longer, unless the reader stood still.
+        """
+        self._timeline.look(self._clock.monotonic_ns())
+
+    def more(self) -> int:
+        """Note that more has been read of what waited at the last `read`; return the moment."""
+        return self._timeline.more(self._clock.now_ns(), self._clock.monotonic_ns())
+
+    @property
+    def has_waited(self) -> bool:
+        """Whether what was read may have waited, so that `more` of it should be read first."""
+        return self._timeline.has_waited
+
+    def many(
+        self, begun_ns: Sequence[int], *, is_within: bool = False, wire_ns: int | None = None
+    ) -> list[int | None]:
+        """Return the stamps of all frames that were completed since `read`.
+
+        None stands for a frame that is not to be handed over, because nobody knows when it came.
+
+        Args:
+            begun_ns: Of each frame, what `read` or `more` gave when it began.
+            is_within: Whether another frame has begun, behind them.
+            wire_ns: How long a frame takes on the line, where that is known.
+        """
+        timeline, clock = self._timeline, self._clock
+        if timeline.may_be_set:
+            self._note_step(
+                timeline.step(clock.monotonic_ns(), clock.now_ns(), clock.monotonic_ns())
+            )
+        stamps = timeline.many(begun_ns, is_within=is_within, wire_ns=wire_ns)
+        if timeline.late:
+            self._note_late(timeline.late, stamps.count(None), timeline.waited_ns)
+        return stamps
+
+    def _note_late(self, late: int, dropped: int, waited_ns: int) -> None:
+        self._tally.late_frames += late
+        if dropped:
+            self._tally.frame_errors["late"] = self._tally.frame_errors.get("late", 0) + dropped
+        if self._logger.due("late", _SAY_S):
+            what = f"{late} frames had waited for over a second"
+            if dropped:
+                what = (
+                    f"{dropped} frames that had waited are dropped, because others are missing "
+                    "and their arrival times are unknown"
+                )
+            self._logger.warning(f"nothing was read for {waited_ns / _NS_PER_S:.1f} s: {what}")
+
+    def _note_step(self, step_ns: int) -> None:
+        """Count and log a step of the date, unless it is the time for which the machine slept."""
+        if not step_ns:
+            return
+        asleep_ns = self._slept_ns()
+        if 2 * asleep_ns > step_ns > 0:
+            self._timeline.sleep(asleep_ns)
+            return
+        self._tally.clock_steps += 1
+        way = "forward" if step_ns > 0 else "back"
+        if self._logger.due(f"clock set {way}", _SAY_S):
+            seconds = abs(step_ns) / _NS_PER_S
+            self._logger.warning(f"the clock was set {way} by {seconds:.3f} s; stamps follow it")
+
+    def _slept_ns(self) -> int:
+        before_ns, self._asleep_ns = self._asleep_ns, self._clock.suspended_ns()
+        return self._asleep_ns - before_ns

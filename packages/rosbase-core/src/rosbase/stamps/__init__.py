@@ -1,0 +1,9 @@
+"""Stamps: when the frames of a stream arrived, as far as that can be known. Pure."""
+
+from rosbase.stamps.backlog import LATE_NS
+from rosbase.stamps.clock_offset import ClockOffset
+from rosbase.stamps.rhythm import Rhythm
+from rosbase.stamps.spread import spread
+from rosbase.stamps.timeline import Timeline
+
+__all__ = ["LATE_NS", "ClockOffset", "Rhythm", "Timeline", "spread"]
