@@ -27,14 +27,14 @@ class Rig:
         self.frames: list[tuple[bytes, int]] = []
         self.intake = Intake(framer, self.keep, context, self.tally, self.stamper)
         self.waiting: deque[bytes | TransportError] = deque()
-        self.waits_ms: list[int] = []
+        self.waits_ms: list[float] = []
         self.bytes_per_s = bytes_per_s
         self.intake.begin(self)  # type: ignore[arg-type]  # as much of a device as is looked at
 
     def keep(self, frame: bytes, stamp_ns: int) -> None:
         self.frames.append((frame, stamp_ns))
 
-    def read_more(self, timeout_ms: int) -> bytes:
+    def read_more(self, timeout_ms: float) -> bytes:
         self.waits_ms.append(timeout_ms)
         data = self.waiting.popleft() if self.waiting else b""
         if isinstance(data, TransportError):

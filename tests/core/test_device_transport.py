@@ -65,3 +65,32 @@ def test_health_says_how_many_bytes_wait_for_an_end_if_the_framer_does(
     wait_until(lambda: transport.health.pending_bytes == pending, "those that wait")
     transport.close()
     peer.close()
+
+
+class OthersAreFaster(FifoDevice):
+    """Can be read, as its descriptor says, and gives nothing: somebody else has taken it."""
+
+    reads = 0
+
+    def read(self) -> bytes:
+        type(self).reads += 1
+        return b""
+
+    def discard_input(self) -> None:
+        pass
+
+
+def test_a_device_that_can_be_read_and_gives_nothing_costs_no_processor(tmp_path: Path) -> None:
+    peer = FifoPeer(tmp_path)
+    context = TransportContext(SystemClock(), RosbaseLogger("device"))
+    values = {**peer.parameters, "wait": False}
+    transport = make_transport(values, context, device=OthersAreFaster)
+    transport.start(RecordingSubscriber())
+    peer.send(b"x")
+    wait_until(lambda: OthersAreFaster.reads, "the first read")
+    before, begin_ns = OthersAreFaster.reads, context.clock.monotonic_ns()
+    wait_until(lambda: OthersAreFaster.reads > before + 20, "some more")
+    each_s = (context.clock.monotonic_ns() - begin_ns) / 1e9 / (OthersAreFaster.reads - before)
+    assert each_s > 0.0009
+    transport.close()
+    peer.close()

@@ -295,3 +295,40 @@ def test_a_finding_is_a_warning_whose_figures_may_change() -> None:
     again = Health(WARN, "at rest -1.5e+03 instead of 9.81")
     assert again.says_the_same_as(said[-1].health)
     assert not again.says_the_same_as(Health(OK, again.message))
+
+
+def watched(*damaged: int, reason: str = "not_utf8", published: bool = False) -> list[Health]:
+    """What a look a second says of frames that are refused, and so many framing errors so far."""
+    counts = Counts()
+    watching = HealthWatch(1.0, 0, counts.snapshot({}))
+    said = []
+    for second, number in enumerate(damaged, start=1):
+        counts.add(reason)
+        counts.published += published
+        now_ns = second * 1_000_000_000
+        transport = TransportHealth(
+            TransportState.CONNECTED,
+            last_data_ns=now_ns,
+            link_errors={"framing_error": number, "overrun": 5},
+        )
+        said.append(watching.look(now_ns, counts.snapshot({}), transport))
+    return said
+
+
+def test_framing_errors_are_the_true_sign_of_a_wrong_baud_rate() -> None:
+    said = watched(0, 0, 214, 500)
+    assert said[1].message == f"nothing usable arrives: not_utf8: {REASONS['not_utf8']}"
+    assert said[3].message == (
+        "nothing usable arrives: not_utf8, with framing errors: "
+        "500 bytes as if sent at another baud rate"
+    )
+    assert not said[1].says_the_same_as(said[2]), "it is said"
+    assert said[2].says_the_same_as(said[3]), "once"
+
+
+def test_framing_errors_of_an_earlier_time_are_not_held_against_the_device() -> None:
+    assert "framing" not in watched(214, 214, 214)[-1].message
+
+
+def test_framing_errors_beside_samples_are_no_matter_of_health() -> None:
+    assert {health.level for health in watched(0, 3, 9, published=True)} == {OK}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from imu_serial import holders
 from support.serial_rig import SerialRig
 
 
@@ -15,3 +16,14 @@ def rig(tmp_path: Path) -> Iterator[SerialRig]:
     for transport in rig.made:
         transport.close()
     rig.port.unplug()
+
+
+@pytest.fixture(autouse=True)
+def no_programs_of_other_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hides the ModemManagers and brlttys that tests start beside this one."""
+
+    def own_children() -> Iterator[int]:
+        for listed in Path("/proc/self/task").glob("*/children"):
+            yield from map(int, listed.read_text().split())
+
+    monkeypatch.setattr(holders, "_others", own_children)

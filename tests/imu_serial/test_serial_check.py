@@ -14,6 +14,8 @@ from imu_serial.check import check_ports
 from imu_serial.config import PARAMETERS
 from rosbase.clock import SystemClock
 from rosbase.contracts.checks import CheckContext, Finding, Outcome
+from support.port_holder import hold
+from support.serial_network import Rfc2217Peer, SocketPeer
 from support.serial_rig import SerialRig
 
 DEFAULTS = {"comm_t": "serial", **{spec.name: spec.default for spec in PARAMETERS}}
@@ -210,3 +212,108 @@ def test_no_group_is_advised_where_a_group_does_not_help(rig: SerialRig) -> None
     _, ((outcome, _, advice),) = as_nobody(port, named=port)
     assert outcome == "fail"
     assert f"sudo chmod a+rw {port}" in advice
+
+
+def test_modemmanager_and_brltty_are_named_before_anything_fails(
+    port: str, ports: list[str]
+) -> None:
+    ports.append(port)
+    with hold("/dev/null", "ModemManager") as modem, hold("/dev/null", "brltty") as braille:
+        found = {f.text: f for f in findings() if "running" in f.text}
+        named = [f.text for f in findings(device_path=port) if "running" in f.text]
+    for process, remedy in ((modem, "ID_MM_DEVICE_IGNORE"), (braille, "apt remove brltty")):
+        (text,) = [text for text in found if f"process {process.pid} " in text]
+        assert found[text].outcome is Outcome.WARN
+        assert remedy in found[text].advice
+        assert text in named
+    assert [f for f in findings() if "running" in f.text] == []
+
+
+def test_no_program_is_suspected_where_no_serial_port_is_read(port: str, ports: list[str]) -> None:
+    with hold("/dev/null", "ModemManager"):
+        assert [f.outcome for f in findings(comm_t="mqtt")] == []
+        assert [f.outcome for f in findings(device_path="socket://127.0.0.1:1")] == [Outcome.FAIL]
+
+
+def test_a_known_taker_that_has_the_port_is_named_with_its_remedy(port: str) -> None:
+    with hold(os.path.realpath(port), "ModemManager"):
+        (found, *_) = findings(device_path=port)
+    assert "(ModemManager)" in found.text
+    assert "ID_MM_DEVICE_IGNORE" in found.advice
+
+
+@pytest.fixture
+def latency_timer(port: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The timer of an adapter behind the port, as FTDI's driver shows it."""
+    monkeypatch.setattr(check, "_LATENCY_TIMERS", tmp_path)
+    folder = tmp_path / os.path.basename(os.path.realpath(port))
+    folder.mkdir()
+    (folder / "latency_timer").write_text("16\n")
+    return folder / "latency_timer"
+
+
+def test_a_long_latency_timer_is_said_with_how_to_shorten_it(
+    port: str, ports: list[str], latency_timer: Path
+) -> None:
+    _, slow = findings(device_path=port)
+    assert slow.outcome is Outcome.WARN, "it is long although it has been opened"
+    assert slow.text == f"{port} hands over what arrives every 16 ms, and does so for a reader, too"
+    assert f"echo 1 | sudo tee {latency_timer}" in slow.advice
+    ports.append(port)
+    (quiet,) = [f for f in findings() if "every 16 ms" in f.text]
+    assert quiet.outcome is Outcome.OK
+    assert quiet.text.endswith("until it is read")
+
+
+@pytest.mark.parametrize("content", ["1\n", "2\n", "", "x"])
+def test_a_short_latency_timer_or_none_is_no_matter(
+    port: str, latency_timer: Path, content: str
+) -> None:
+    latency_timer.write_text(content)
+    assert len(findings(device_path=port)) == 1
+    latency_timer.unlink()
+    assert len(findings(device_path=port)) == 1
+
+
+@pytest.mark.parametrize("kind", [SocketPeer, Rfc2217Peer])
+def test_a_port_on_a_network_is_reached_and_left(kind: type[SocketPeer]) -> None:
+    peer = kind()
+    for _ in range(2):
+        (found,) = findings(device_path=peer.url)
+        assert found.outcome is Outcome.OK
+        assert found.text.startswith(peer.url)
+        assert found.text.endswith("can be reached")
+    peer.close()
+
+
+@pytest.mark.parametrize(
+    ("scheme", "advice"),
+    [("socket", "socat TCP-LISTEN:{},"), ("rfc2217", "accepter: telnet(rfc2217),tcp,{}")],
+)
+def test_a_port_on_a_network_that_is_not_there_fails_with_what_to_run(
+    scheme: str, advice: str
+) -> None:
+    peer = SocketPeer()
+    peer.close()
+    (found,) = findings(device_path=f"{scheme}://127.0.0.1:{peer.port}")
+    assert found.outcome is Outcome.FAIL
+    assert "nothing listens there" in found.text
+    assert advice.format(peer.port) in found.advice
+    assert "plug" not in found.text + found.advice
+
+
+@pytest.mark.parametrize("path", ["tcp://host:1", "socket://host", "loop://"])
+def test_an_address_that_cannot_be_fails_in_one_line(path: str) -> None:
+    (found,) = findings(device_path=path)
+    assert (found.outcome, found.text[:11]) == (Outcome.FAIL, "device_path")
+    assert found.advice
+
+
+def test_a_name_of_windows_fails_with_the_ports_that_are_there(
+    ports: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ports.append("/dev/ttyUSB3")
+    monkeypatch.setattr("imu_serial.refusals.port_names", lambda: ports)
+    (found, *_) = findings(device_path="COM4")
+    assert found.outcome is Outcome.FAIL
+    assert "on Windows; here there are /dev/ttyUSB3" in found.text

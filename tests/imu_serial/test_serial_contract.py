@@ -1,8 +1,9 @@
-"""`serial` keeps the promises of a transport."""
+"""`serial` keeps the promises of a transport, on a line, over TCP and over RFC 2217."""
 
 import pytest
 
 from rosbase.testing import TransportCapabilities, TransportContract
+from support.serial_network import Rfc2217Peer, SocketPeer
 from support.serial_port import SerialPeer
 
 
@@ -13,6 +14,7 @@ class TestSerial(TransportContract):
         can_unplug=True,
         can_be_absent=True,
         waits_with={"wait_for_device": True},
+        reopens_with={"reopen_after_silence": 0.1},
         bad_frames=(b"x" * 70_000 + b"\n",),
     )
     end_limit_s = 0.5
@@ -24,3 +26,13 @@ class TestSerial(TransportContract):
 
     def make_peer(self) -> SerialPeer:
         return SerialPeer(self._folders.mktemp("port"))
+
+
+class TestSocket(TestSerial):
+    def make_peer(self) -> SocketPeer:  # type: ignore[override]
+        return SocketPeer()
+
+
+class TestRfc2217(TestSerial):
+    def make_peer(self) -> Rfc2217Peer:  # type: ignore[override]
+        return Rfc2217Peer()

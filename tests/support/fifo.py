@@ -20,6 +20,7 @@ __all__ = ["FifoContract", "FifoDevice", "FifoPeer", "make_transport"]
 
 PARAMETERS = (
     ParameterSpec("fifo_path", "/run/imu", "the named pipe"),
+    ParameterSpec("silence", 0.0, "after how long without data it is opened anew"),
     ParameterSpec("wait", default=False, description="whether an absent one is waited for"),
 )
 _CHUNK_BYTES = 4_096
@@ -121,6 +122,7 @@ def make_transport(
         context,
         framer=framer or LineFramer(),
         waits_for_device=bool(values["wait"]),
+        reopen_after_s=float(str(values.get("silence", 0.0))),
     )
 
 
@@ -133,6 +135,7 @@ class FifoContract(TransportContract):
         can_unplug=True,
         can_be_absent=True,
         waits_with={"wait": True},
+        reopens_with={"silence": 0.05},
         bad_frames=(b"x" * 70_000 + b"\n",),
     )
 

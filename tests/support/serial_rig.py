@@ -2,8 +2,9 @@
 
 import queue
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from imu_serial.plugin import rosbase_transports
 from rosbase.clock import Clock, SystemClock
@@ -23,18 +24,26 @@ class SerialRig:
         self.made: list[Transport] = []
 
     def transport(
-        self, *, wait: bool = False, path: Path | None = None, clock: Clock | None = None
+        self,
+        *,
+        wait: bool = False,
+        path: Path | str | None = None,
+        clock: Clock | None = None,
+        **more: ParameterValue,
     ) -> Transport:
+        """A transport for the port or another, with further parameters."""
         (plugin,) = rosbase_transports()
         device_path = str(path or self.port.path)
-        values: dict[str, ParameterValue] = {
-            "device_path": device_path,
-            "baudrate": 115_200,
-            "wait_for_device": wait,
-        }
+        values: dict[str, ParameterValue] = {spec.name: spec.default for spec in plugin.parameters}
+        values |= {"device_path": device_path, "wait_for_device": wait, **more}
         context = TransportContext(clock or SystemClock(), RosbaseLogger("serial_test"))
         self.made.append(plugin.create(values, context))
         return self.made[-1]
+
+    def said(self, messages: Sequence[str]) -> list[str]:
+        """Which of the messages are about the port, and not only that it was opened."""
+        path = str(self.port.path)
+        return [text for text in messages if path in text and not text.startswith("opened")]
 
     def keep(self, frame: bytes, stamp_ns: int) -> None:
         self.frames.put((frame, stamp_ns))
@@ -46,10 +55,10 @@ class SerialRig:
     def next(self) -> bytes:
         return self.frames.get(timeout=20)[0]
 
-    def started(self) -> Transport:
+    def started(self, **more: Any) -> Transport:
         """A transport that has proved to read."""
         self.port.plug()
-        transport = self.transport()
+        transport = self.transport(**more)
         transport.open()
         transport.start(self.keep)
         self.prove()

@@ -332,3 +332,15 @@ made_reads: st.SearchStrategy[list[MadeRead]] = st.lists(
     ),
     max_size=40,
 )
+
+
+# What a telnet server may send beside data: commands, options, subnegotiations of RFC 2217.
+telnet_commands = (
+    st.sampled_from([b"\xff\xf1", b"\xff\xf9", b"\xff\xf6"])
+    | st.tuples(st.integers(251, 254), st.integers(0, 60).filter(lambda option: option != 44)).map(
+        lambda command: bytes((255, *command))
+    )
+    | st.binary(max_size=12).map(
+        lambda content: b"\xff\xfa" + content.replace(b"\xff", b"\xff\xff") + b"\xff\xf0"
+    )
+)

@@ -22,6 +22,7 @@ class Opened(Wrapped):
             self.context,
             framer=LineFramer(),
             waits_for_device=bool(self.values["wait"]),
+            reopen_after_s=float(str(self.values.get("silence", 0.0))),
         )
 
     def open_device(self, path: str) -> Device:
@@ -211,3 +212,43 @@ class KeepsSeveralLines(Wrapped):
     def health(self) -> TransportHealth:
         health = self.inner.health
         return evolve(health, last_error=f"{health.last_error}\nand more")
+
+
+@mutant("a-silent-device-is-opened-anew", "health.reconnects to reach 2")
+class HasPatienceForEver(Wrapped):
+    def make(self) -> Transport:
+        return make_transport({**self.values, "silence": 0.0}, self.context)
+
+
+@mutant("a-silent-device-is-opened-anew", "health.last_error was empty")
+class DoesNotSayThatItIsSilent(Wrapped):
+    @property
+    def health(self) -> TransportHealth:
+        return evolve(self.inner.health, last_error="")
+
+
+@mutant("a-silent-device-is-opened-anew", "no data 0.8 s after the device was back")
+class DoesNotReadWhatItHasOpenedAnew(Wrapped):
+    def start(self, on_frame: OnFrame) -> None:
+        self.inner.start(lambda *frame: None if self.inner.health.reconnects else on_frame(*frame))
+
+
+@mutant("a-silent-device-is-opened-anew", "health.last_error to be empty again")
+class SaysForEverThatItIsSilent(Wrapped):
+    @property
+    def health(self) -> TransportHealth:
+        health = self.inner.health
+        return evolve(health, last_error=health.last_error or "silent" * bool(health.reconnects))
+
+
+@mutant("a-silent-device-is-opened-anew", "times or more made")
+class SaysEachTimeThatItIsSilent(Opened):
+    def open_device(self, path: str) -> Device:
+        self.context.logger.warning(f"{path} is silent")
+        return FifoDevice(path)
+
+
+@mutant("a-silent-device-is-opened-anew", "was not logged at all")
+class SaysNothingOfASilentDevice(Wrapped):
+    def make(self) -> Transport:
+        return make_transport(self.values, evolve(self.context, logger=RosbaseLogger("elsewhere")))

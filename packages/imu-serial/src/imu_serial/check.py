@@ -3,42 +3,119 @@
 Opening a port resets many a board, so only a port that the user has named is opened.
 """
 
-import glob
 import grp
 import os
 import pwd
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from imu_serial.address import Address
 from imu_serial.config import SerialConfig
-from imu_serial.port import Port, group_name, port_names
+from imu_serial.holders import KNOWN_TAKERS, holder_of, running_takers
+from imu_serial.network import Dialer
+from imu_serial.port import Port
+from imu_serial.refusals import group_name, port_names
 from rosbase import (
     CheckContext,
+    Clock,
     DeviceBusyError,
     DeviceNotFoundError,
     Finding,
     NotADeviceError,
     Outcome,
+    ParameterError,
     TransportError,
 )
 
 __all__ = ["check_ports"]
 
+_LATENCY_TIMERS = Path("/sys/bus/usb-serial/devices")
+_LONG_LATENCY_MS = 2
+_SERVE = {
+    "socket": "socat TCP-LISTEN:{0.port},reuseaddr,fork FILE:/dev/ttyUSB0,b115200,raw,echo=0",
+    "rfc2217": "ser2net -Y 'connection: &imu' -Y '  accepter: telnet(rfc2217),tcp,{0.port}' "
+    "-Y '  connector: serialdev,/dev/ttyUSB0,115200n81,local'",
+}
+"""By scheme: what serves a port at the other end."""
+
 
 def check_ports(context: CheckContext) -> Iterable[Finding]:
     """The port that a reader would open, and the others."""
-    config = SerialConfig.from_values(context.values)
+    is_named = context.asks_for("serial", "device_path")
+    try:
+        config = SerialConfig.from_values(context.values)
+    except ParameterError as error:
+        yield Finding(Outcome.FAIL, str(error), "correct the parameters of the port")
+        return
+    if config.address is not None:
+        if is_named:
+            yield _reached(config, config.address, context.clock)
+        return
+    yield from _files(config, context, is_named=is_named)
+
+
+def _files(config: SerialConfig, context: CheckContext, *, is_named: bool) -> Iterator[Finding]:
     path, ports = config.device_path, port_names()
     others = [port for port in ports if os.path.realpath(port) != os.path.realpath(path)]
-    if context.asks_for("serial", "device_path"):
-        yield _closed(path, Outcome.FAIL) or _opened(config, ports)
+    if is_named:
+        closed = _closed(path, Outcome.FAIL)
+        yield closed or _opened(config, ports)
+        if not closed:
+            yield from _slow(path, Outcome.WARN)
     elif os.path.exists(path):
         yield _closed(path, Outcome.FAIL) or _allowed(path)
+        yield from _slow(path, Outcome.OK)
     elif context.values["comm_t"] == "serial":
         yield _nothing_named(path, others)
     for port in others:
         yield _closed(port, Outcome.WARN) or _allowed(port)
+        yield from _slow(port, Outcome.OK)
+    if is_named or (ports and context.values["comm_t"] == "serial"):
+        yield from _takers()
+
+
+def _takers() -> Iterator[Finding]:
+    for process in running_takers():
+        taker = KNOWN_TAKERS[process.name]
+        yield Finding(Outcome.WARN, f"{process} is running: {taker.why}", taker.remedy)
+
+
+def _slow(path: str, outcome: Outcome) -> Iterator[Finding]:
+    """Yield the latency timer of the adapter, if it has a long one.
+
+    A reader asks for a short one, so it matters where it is long although the port was opened.
+    """
+    name = os.path.basename(os.path.realpath(path))
+    timer = _LATENCY_TIMERS / name / "latency_timer"
+    try:
+        latency_ms = int(timer.read_text())
+    except (OSError, ValueError):
+        # Not an adapter with such a timer.
+        return
+    if latency_ms > _LONG_LATENCY_MS:
+        kept = "and does so for a reader, too" if outcome is Outcome.WARN else "until it is read"
+        yield Finding(
+            outcome,
+            f"{path} hands over what arrives every {latency_ms} ms, {kept}",
+            f'echo 1 | sudo tee {timer}, or for good a udev rule with ATTR{{latency_timer}}="1"',
+        )
+
+
+def _reached(config: SerialConfig, address: Address, clock: Clock) -> Finding:
+    try:
+        link = Dialer(config, address, clock).open()
+    except TransportError as error:
+        return Finding(Outcome.FAIL, str(error), _advice_on_network(error, address))
+    link.close()
+    return Finding(Outcome.OK, f"{link.name} can be reached")
+
+
+def _advice_on_network(error: TransportError, address: Address) -> str:
+    if isinstance(error, NotADeviceError):
+        return "correct device_path and baudrate, or the settings of the server"
+    serve = _SERVE[address.scheme].format(address)
+    return f"correct host and port, or serve the port there: {serve}"
 
 
 def _nothing_named(path: str, others: list[str]) -> Finding:
@@ -90,8 +167,9 @@ def _closed(path: str, outcome: Outcome) -> Finding | None:
         return None
     if not os.access(path, os.R_OK | os.W_OK):
         return _forbidden(path, mode, outcome)
-    if _is_line(path) and (holder := _holder(path)):
-        advice = "end that program, or read another port"
+    if _is_line(path) and (holder := holder_of(path)):
+        taker = KNOWN_TAKERS.get(holder.name)
+        advice = taker.remedy if taker else "end that program, or read another port"
         return Finding(outcome, f"{path} is in use by {holder}", advice)
     return None
 
@@ -129,18 +207,3 @@ def _is_line(path: str) -> bool:
     return os.path.realpath(path).startswith("/dev/pts/") or os.path.exists(
         f"/sys/class/tty/{name}"
     )
-
-
-def _holder(path: str) -> str:
-    """Another program that has the port open; nothing, if none is seen."""
-    device, me = os.path.realpath(path), str(os.getpid())
-    for opened in glob.iglob("/proc/[0-9]*/fd/*"):
-        process = Path(opened).parts[2]
-        try:
-            if process != me and os.readlink(opened) == device:
-                name = Path("/proc", process, "comm").read_text(errors="replace").strip()
-                return f"process {process} ({name})"
-        except OSError:
-            # It has ended, or has closed it.
-            continue
-    return ""

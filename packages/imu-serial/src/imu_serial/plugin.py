@@ -9,6 +9,7 @@ from rosbase import (
     DeviceTransport,
     Finding,
     LineFramer,
+    OpenDevice,
     ParameterValue,
     SimulatedDevice,
     Transport,
@@ -28,15 +29,24 @@ _HINTS = {
 
 
 def _create(values: Mapping[str, ParameterValue], context: TransportContext) -> Transport:
-    from imu_serial.port import Port
-
     config = SerialConfig.from_values(values)
     return DeviceTransport(
-        lambda: Port(config),
+        _opener(config, context),
         context,
         framer=LineFramer(),
         waits_for_device=config.wait_for_device,
+        reopen_after_s=config.reopen_after_silence,
     )
+
+
+def _opener(config: SerialConfig, context: TransportContext) -> OpenDevice:
+    if (address := config.address) is not None:
+        from imu_serial.network import Dialer
+
+        return Dialer(config, address, context.clock).open
+    from imu_serial.port import Port
+
+    return lambda: Port(config)
 
 
 def _simulate() -> SimulatedDevice:

@@ -1,78 +1,86 @@
-"""An open serial port. The only module that touches pyserial and the file descriptor."""
+"""An open serial port: a `rosbase.ReportingDevice`."""
 
-import errno
 import fcntl
-import grp
 import os
+import select
 import termios
 
-import serial
-from serial.tools import list_ports
-
-from imu_serial.config import SerialConfig
-from imu_serial.uart import bytes_per_s
-from rosbase import (
-    DeviceBusyError,
-    DeviceNotFoundError,
-    DevicePermissionError,
-    NotADeviceError,
-    TransportError,
-    one_line,
-    printable,
+from imu_serial.config import LEAVE, SerialConfig
+from imu_serial.holders import holder_of
+from imu_serial.line import (
+    ask_for_low_latency,
+    error_counts,
+    exclude_others,
+    excludes_others,
+    set_lines,
+    set_up,
 )
+from imu_serial.refusals import explain, in_use, is_name, shown
+from imu_serial.rivals import Rivals
+from imu_serial.uart import bytes_per_s
+from rosbase import DeviceReport, NotADeviceError, TransportError
 
-__all__ = ["Port", "group_name", "port_names"]
+__all__ = ["Port"]
 
 # What a read of a terminal gives at most (N_TTY_BUF_SIZE of Linux).
 _CHUNK_BYTES = 4_096
+_REMARKS = {
+    "overrun": "lost before the machine had read them (overrun)",
+    "buffer_overrun": "lost because nobody read them in time (buffer overrun)",
+    "framing_error": "damaged (framing errors), as if sent at another rate than {} baud",
+    "parity_error": "damaged (parity errors)",
+}
 
 
 class Port:
-    """A port that this process has for itself.
-
-    pyserial opens and configures it. Reading goes around pyserial: its `read` and
-    `readline` take bytes one by one or several system calls for each chunk.
-    """
+    """A port that this process has for itself, as far as the system lets it."""
 
     def __init__(self, config: SerialConfig) -> None:
-        """Opens the port, exclusively.
+        """Open the port, exclusively.
 
         Raises:
             TransportError: Which kind says why; the message is one line.
         """
         path = config.device_path
-        # Fit for a line of text.
-        self._path = printable(path) or repr(path)
-        self.name = f"{self._path} at {config.baudrate} baud"
+        self._path = path
+        self._config = config
+        self._is_open = self._excludes_others = False
+        self._missing_lines = ""
+        self.name = f"{shown(path)} at {config.baudrate} baud"
         """What it is called when it is opened."""
-        if not path or "\0" in path:
-            raise NotADeviceError(f"{self._path} is not the name of a serial port")
+        if not is_name(path):
+            raise NotADeviceError(f"{shown(path)} is not the name of a serial port")
         if os.path.isdir(path):
-            raise NotADeviceError(f"{self._path} is a directory, not a serial port")
-        port = serial.Serial()
-        port.port = path
-        port.baudrate = config.baudrate
-        port.timeout = 0
-        port.exclusive = True
+            raise NotADeviceError(f"{shown(path)} is a directory, not a serial port")
         try:
-            port.open()
+            # Without waiting for a carrier, which three wires do not have.
+            self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError as error:
+            raise explain(path, config.baudrate, error) from error
+        self._is_open = True
+        try:
+            self._take()
+            self._set_up()
         except (OSError, ValueError, termios.error) as error:
-            raise _explain(self._path, path, config.baudrate, error) from error
-        self._serial = port
-        self._fd: int = port.fileno()
+            self.close()
+            raise explain(path, config.baudrate, error) from error
+        except BaseException:
+            self.close()
+            raise
         # Read into one buffer: a new one for each chunk, cut to size, would fragment the heap.
         self._buffer = bytearray(_CHUNK_BYTES)
         self._view = memoryview(self._buffer)
         self.bytes_per_s = bytes_per_s(path, config.baudrate)
         """How many bytes a second come at most, where that is known."""
-        self._refuse_others()
+        self._counts = error_counts(self._fd)
+        self._rivals = Rivals(path)
 
     def fileno(self) -> int:
-        """The descriptor."""
+        """Return the descriptor."""
         return self._fd
 
     def read(self) -> bytes:
-        """What has arrived, as much as one read of a terminal gives.
+        """Return what has arrived, as much as one read of a terminal gives.
 
         Raises:
             TransportError: The port is gone.
@@ -80,15 +88,19 @@ class Port:
         try:
             size = os.readv(self._fd, [self._buffer])
         except BlockingIOError:
+            self._rivals.note()
             return b""
         except OSError as error:
             raise self._lost(os.strerror(error.errno or 0)) from error
         if not size:
-            raise self._lost("end of file")
+            if self._is_hung_up():
+                raise self._lost("end of file")
+            # Another program has changed the settings, and read what had arrived.
+            self._rivals.note()
         return bytes(self._view[:size])
 
     def discard_input(self) -> None:
-        """Forgets what has arrived and was not read.
+        """Discard what has arrived and was not read.
 
         Raises:
             TransportError: The port is gone.
@@ -98,60 +110,66 @@ class Port:
         except (OSError, termios.error) as error:
             raise self._lost(" ".join(str(part) for part in error.args)) from error
 
+    def report(self, is_quiet: bool) -> DeviceReport:
+        """Return whether others read it too, and which errors the driver has counted."""
+        errors = self._new_errors()
+        remarks = [self._missing_lines] if self._missing_lines else []
+        self._missing_lines = ""
+        for reason, remark in _REMARKS.items():
+            if number := errors.get(reason):
+                how = remark.format(self._config.baudrate)
+                plural = "s" if number > 1 else ""
+                remarks.append(f"{shown(self._path)}: {number} character{plural} {how}")
+        return DeviceReport(self._rivals.trouble(is_quiet=is_quiet), errors, "; ".join(remarks))
+
     def close(self) -> None:
-        """Gives the port back. Idempotent."""
-        if self._serial.is_open:
-            try:
-                fcntl.ioctl(self._fd, termios.TIOCNXCL)
-            except OSError:
-                # The device has been unplugged; there is nothing left to give back.
-                pass
-            self._serial.close()
+        """Give the port back. Idempotent."""
+        if self._is_open:
+            self._is_open = False
+            if self._excludes_others:
+                exclude_others(self._fd, excludes=False)
+            os.close(self._fd)
+
+    def _take(self) -> None:
+        """Take the port for this process, before anything of it is changed."""
+        # Not for what is no terminal.
+        termios.tcgetattr(self._fd)
+        # Root may open what another program has for itself. What nobody has open any more was
+        # left behind, by a program that was killed while it had a pseudo-terminal.
+        if excludes_others(self._fd) and holder_of(self._path):
+            raise in_use(self._path)
+        # For programs that ask; the other one holds against those that do not.
+        fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        exclude_others(self._fd, excludes=True)
+        self._excludes_others = True
+
+    def _set_up(self) -> None:
+        config = self._config
+        # At once: the kernel raises both lines when a port is opened.
+        if not set_lines(self._fd, config.dtr, config.rts):
+            wishes = {"dtr": config.dtr, "rts": config.rts}
+            named = " and ".join(name for name, wish in wishes.items() if wish != LEAVE)
+            self._missing_lines = f"{shown(self._path)} has no lines to set for {named}"
+        set_up(self._fd, config.baudrate)
+        ask_for_low_latency(self._fd)
+
+    def _new_errors(self) -> dict[str, int]:
+        """Return the errors since the last call, by reason."""
+        before, now = self._counts, error_counts(self._fd) if self._counts else None
+        self._counts = now
+        if before is None or now is None:
+            return {}
+        # A driver that begins again has counted what it says.
+        grown = {
+            reason: number - before[reason] if number >= before[reason] else number
+            for reason, number in now.items()
+        }
+        return {reason: number for reason, number in grown.items() if number}
+
+    def _is_hung_up(self) -> bool:
+        line = select.poll()
+        line.register(self._fd, select.POLLIN)
+        return any(state & (select.POLLHUP | select.POLLERR) for _, state in line.poll(0))
 
     def _lost(self, why: str) -> TransportError:
-        return TransportError(f"{self._path} was lost: {why}")
-
-    def _refuse_others(self) -> None:
-        # pyserial's lock is advisory; this one also holds against programs that do not ask.
-        try:
-            fcntl.ioctl(self._fd, termios.TIOCEXCL)
-        except OSError:
-            pass
-
-
-def _explain(name: str, path: str, baudrate: int, error: Exception) -> TransportError:
-    """The error that says what a user can do about it."""
-    code = getattr(error, "errno", None)
-    if code is None and error.args:
-        code = error.args[0] if isinstance(error.args[0], int) else None
-    match code:
-        case errno.ENOENT | errno.ENODEV | errno.ENXIO:
-            return DeviceNotFoundError(f"{name} is not there; is the device plugged in?")
-        case errno.EACCES | errno.EPERM:
-            return DevicePermissionError(
-                f"{name} may not be opened by this user; it belongs to the group {group_name(path)}"
-            )
-        case errno.EAGAIN | errno.EBUSY:
-            return DeviceBusyError(f"{name} is in use by another program")
-        case errno.ENOTDIR | errno.EISDIR | errno.ELOOP:
-            return NotADeviceError(f"{name} is not a serial port")
-    text = one_line(str(error))
-    if "Inappropriate ioctl" in text:
-        return NotADeviceError(f"{name} is not a serial port")
-    if isinstance(error, ValueError):
-        return NotADeviceError(f"{name} does not take {baudrate} baud: {text}")
-    return TransportError(f"{name} cannot be opened: {text}")
-
-
-def group_name(path: str) -> str:
-    """The group that a port belongs to."""
-    try:
-        return grp.getgrgid(os.stat(path).st_gid).gr_name
-    except (OSError, KeyError):
-        return "of another user"
-
-
-def port_names() -> list[str]:
-    """The paths of the serial ports that are there; those on the board, which few use, last."""
-    names = [port.device for port in list_ports.comports()]
-    return sorted(names, key=lambda name: (name.startswith("/dev/ttyS"), name))
+        return TransportError(f"{shown(self._path)} was lost: {why}")

@@ -50,8 +50,10 @@ if TYPE_CHECKING:
     )
     from rosbase.device import (
         Device,
+        DeviceReport,
         DeviceTransport,
         OpenDevice,
+        ReportingDevice,
     )
     from rosbase.errors import (
         BackendError,
@@ -197,6 +199,7 @@ __all__ = [
     "DeviceBusyError",
     "DeviceNotFoundError",
     "DevicePermissionError",
+    "DeviceReport",
     "DeviceTransport",
     "DurabilityPolicy",
     "Executor",
@@ -241,6 +244,7 @@ __all__ = [
     "QueuedSubscription",
     "Reject",
     "ReliabilityPolicy",
+    "ReportingDevice",
     "RestartPolicy",
     "RosbaseError",
     "RosbaseLogger",
@@ -304,6 +308,7 @@ _HOMES = {
     "DeviceBusyError": "rosbase.errors",
     "DeviceNotFoundError": "rosbase.errors",
     "DevicePermissionError": "rosbase.errors",
+    "DeviceReport": "rosbase.device",
     "DeviceTransport": "rosbase.device",
     "DurabilityPolicy": "rosbase.qos",
     "Executor": "rosbase.runtime.executor",
@@ -348,6 +353,7 @@ _HOMES = {
     "QueuedSubscription": "rosbase.runtime.queued_subscription",
     "Reject": "rosbase.mapping",
     "ReliabilityPolicy": "rosbase.qos",
+    "ReportingDevice": "rosbase.device",
     "RestartPolicy": "rosbase.processes",
     "RosbaseError": "rosbase.errors",
     "RosbaseLogger": "rosbase.logger",

@@ -63,10 +63,12 @@ class BackendError(RosbaseError):
 class TransportError(RosbaseError):
     """The device cannot be opened, or has been lost.
 
-    `retryable` says whether trying the same again later can help.
+    `retryable` says whether trying the same again later can help, `passes_soon` whether it usually
+    does so within seconds, so that opening is given a few.
     """
 
     retryable: bool = True
+    passes_soon: bool = False
 
 
 class DeviceNotFoundError(TransportError):
@@ -79,6 +81,8 @@ class DevicePermissionError(TransportError):
 
 class DeviceBusyError(TransportError):
     """Another program has the device open."""
+
+    passes_soon = True
 
 
 class NotADeviceError(TransportError):

@@ -51,6 +51,8 @@ def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) ->
         yield f"time_unusable {counts.time_unusable}"
     yield f"dropped {dropped}"
     transport = reader.transport_health
+    for reason, number in sorted(transport.link_errors.items()):
+        yield f"link_{reason} {number}"
     yield f"reconnects {transport.reconnects}"
     if transport.late_frames:
         yield f"late_frames {transport.late_frames}"

@@ -83,7 +83,8 @@ class TransportHealth:
     last_error: str = ""
     """Why the device could not be opened or was lost, the last time; one line.
 
-    Empty if neither happened, or once the device is back and has proved to stay.
+    Or what is wrong with it while it is read. Empty if nothing of that happened, or once the
+    device is back and has proved to stay.
     """
     pending_bytes: int = 0
     """Bytes that arrived since the last end of a frame, as far as the transport knows."""
@@ -98,6 +99,11 @@ class TransportHealth:
 
     Those among them that nobody can date are not handed over: they are in `frame_errors` too, as
     `late`.
+    """
+    link_errors: Mapping[str, int] = field(factory=dict)
+    """Bytes that were lost or damaged on the way, by reason, as far as the device counts them.
+
+    `framing_error` means bytes as if sent at another rate.
     """
 
 
@@ -114,6 +120,7 @@ class Tally:
     clock_steps: int = 0
     late_frames: int = 0
     rhythm: Rhythm = field(factory=Rhythm)
+    link_errors: dict[str, int] = field(factory=dict)
 
     def count_error(self, reason: str) -> None:
         """Counts something that could not become a frame.
@@ -124,6 +131,11 @@ class Tally:
         if reason not in self.frame_errors and len(self.frame_errors) >= _MOST_REASONS:
             reason = "other"
         self.frame_errors[reason] = self.frame_errors.get(reason, 0) + 1
+
+    def count_link_errors(self, errors: Mapping[str, int]) -> None:
+        """Count what went wrong on the way here: how often, by reason."""
+        for reason, number in errors.items():
+            self.link_errors[reason] = self.link_errors.get(reason, 0) + number
 
     def health(self, state: TransportState) -> TransportHealth:
         """All of it, at this moment."""
@@ -140,6 +152,7 @@ class Tally:
             jitter_ns=self.rhythm.jitter_ns,
             clock_steps=self.clock_steps,
             late_frames=self.late_frames,
+            link_errors=dict(self.link_errors),
         )
 
 

@@ -10,7 +10,7 @@ from rosbase.framing import Frame, FrameEvent, Framer
 
 __all__ = ["Intake", "ReadMore"]
 
-ReadMore: TypeAlias = Callable[[int], bytes]
+ReadMore: TypeAlias = Callable[[float], bytes]
 """Waits so many milliseconds for more data, and gives it; empty if none came."""
 
 # After a stall, all that waits is read before any of it is stamped. A terminal hands a long queue

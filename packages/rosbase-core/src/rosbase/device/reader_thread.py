@@ -7,6 +7,7 @@ from rosbase.contracts.stamper import Stamper
 from rosbase.contracts.transport import OnFrame, Tally, TransportContext
 from rosbase.device.device import Device, OpenDevice, give_back
 from rosbase.device.intake import Intake
+from rosbase.device.watch import Watch
 from rosbase.errors import TransportError
 from rosbase.framing import Framer
 from rosbase.runtime.backoff import Backoff
@@ -39,6 +40,7 @@ class ReaderThread:
         on_frame: OnFrame,
         tally: Tally,
         stamper: Stamper,
+        watch: Watch,
     ) -> None:
         """Prepares to read `device`, or to wait for one."""
         self._open_device = open_device
@@ -47,6 +49,7 @@ class ReaderThread:
         self._stamper = stamper
         self._intake = Intake(framer, on_frame, context, tally, stamper)
         self._tally = tally
+        self._watch = watch
         self._backoff = Backoff()
         self._stopping = False
         self._wakeup = WakePipe()
@@ -127,15 +130,30 @@ class ReaderThread:
         readable.register(fd, select.POLLIN)
         readable.register(self._wakeup, select.POLLIN)
         monotonic_ns = self._context.clock.monotonic_ns
+        watch = self._watch
+        watch.begin(device)
+        look_ms = min(_LOOK_MS, watch.timeout_ms or _LOOK_MS)
 
-        def read_within(timeout_ms: int) -> bytes:
+        def read_within(timeout_ms: float) -> bytes:
             ready = readable.poll(timeout_ms)
-            return device.read() if len(ready) == 1 and ready[0][0] == fd else b""
+            if len(ready) != 1 or ready[0][0] != fd:
+                return b""
+            data = device.read()
+            if not data:
+                # Somebody else was faster, and may be so again and again.
+                self._sleep(_GATHER_S)
+            return data
 
         try:
             while not self._stopping:
                 asked_ns = monotonic_ns()
-                data = read_within(_LOOK_MS)
+                if asked_ns >= watch.due_ns and not watch.look(asked_ns):
+                    # It is there, and silent. How often it is opened is the watch's to limit.
+                    self._has_lost_device = True
+                    self._backoff.reset()
+                    self._close_device()
+                    return
+                data = read_within(look_ms)
                 if not data:
                     stamper.look()
                     continue
@@ -162,8 +180,10 @@ class ReaderThread:
             else:
                 self._discard_input(device)
                 self._tally.reconnects += self._has_lost_device
-                self._tally.last_error = ""
-                logger.info(f"{device.name} is {'back' if self._has_lost_device else 'there'}")
+                # Of one that was there and silent, only data tells.
+                if not self._watch.is_silent:
+                    self._tally.last_error = ""
+                    logger.info(f"{device.name} is {'back' if self._has_lost_device else 'there'}")
                 return device
         return None
 
@@ -189,6 +209,7 @@ class ReaderThread:
 
     def _say(self, error: TransportError) -> None:
         """Logs why there is no device, once for each reason in a row."""
+        self._watch.is_silent = False
         if str(error) != self._tally.last_error:
             self._tally.last_error = str(error)
             self._context.logger.warning(f"{error}; trying again")

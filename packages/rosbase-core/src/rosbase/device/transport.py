@@ -14,7 +14,9 @@ from rosbase.contracts.transport import (
     TransportState,
 )
 from rosbase.device.device import Device, OpenDevice, give_back
+from rosbase.device.patience import Patience
 from rosbase.device.reader_thread import ReaderThread
+from rosbase.device.watch import Watch
 from rosbase.errors import TransportError
 from rosbase.framing import Framer
 
@@ -37,6 +39,7 @@ class DeviceTransport(Transport):
         *,
         framer: Framer | None = None,
         waits_for_device: bool = False,
+        reopen_after_s: float = 0.0,
     ) -> None:
         """Touches nothing yet.
 
@@ -48,11 +51,16 @@ class DeviceTransport(Transport):
                 datagrams.
             waits_for_device: Whether `open` leaves a device that is absent to the reader thread,
                 instead of raising what `open_device` raises.
+            reopen_after_s: Seconds without data after which the device is closed and opened
+                again; each time in a row that this does not help twice as many, up to eight
+                times. 0: never.
         """
         self._open_device = open_device
         self._context = context
         self._framer = framer
         self._waits_for_device = waits_for_device
+        self._reopen_after_s = reopen_after_s
+        self._patience = Patience(context)
         self._tally = Tally()
         self._stamper = Stamper(context, self._tally)
         self._device: Device | None = None
@@ -63,7 +71,10 @@ class DeviceTransport(Transport):
         self._lock = threading.RLock()
 
     def open(self) -> None:
-        """Takes the device; one that is waited for is left to the reader thread."""
+        """Takes the device; one that is waited for is left to the reader thread.
+
+        What usually passes, as that another program has the device, is given some seconds.
+        """
         if self._on_reader_thread():
             return
         with self._lock:
@@ -71,7 +82,10 @@ class DeviceTransport(Transport):
             if self._reader is not None or self._device is not None:
                 return
             try:
-                self._device = self._open_device()
+                if self._is_awaited:
+                    self._device = self._open_device()
+                else:
+                    self._device = self._patience.open(self._open_device)
             except TransportError as error:
                 self._tally.last_error = str(error)
                 if not (self._waits_for_device and error.retryable):
@@ -102,6 +116,7 @@ class DeviceTransport(Transport):
                     on_frame,
                     self._tally,
                     self._stamper,
+                    Watch(self._context, self._tally, self._reopen_after_s),
                 )
                 # Known before it runs: the first frame may make `on_frame` call us.
                 self._reader, self._device = reader, None
@@ -121,7 +136,7 @@ class DeviceTransport(Transport):
         if self._on_reader_thread():
             self._reader_asks_to_end(closes_device=False)
             return
-        with self._lock:
+        with self._patience.ending(), self._lock:
             self._end_reader()
 
     def close(self) -> None:
@@ -129,7 +144,7 @@ class DeviceTransport(Transport):
         if self._on_reader_thread():
             self._reader_asks_to_end(closes_device=True)
             return
-        with self._lock:
+        with self._patience.ending(), self._lock:
             self._end_reader()
             self._is_awaited = False
             device, self._device = self._device, None

@@ -116,6 +116,8 @@ class Diagnostics:
         yield "arrival jitter (ms)", f"{transport.jitter_ns / _NS_PER_MS:.3f}"
         yield "clock steps", str(transport.clock_steps)
         yield "late frames", str(transport.late_frames)
+        for reason, number in sorted(transport.link_errors.items()):
+            yield f"link: {reason}", str(number)
         yield "reconnects", str(transport.reconnects)
         yield "last error", transport.last_error
 

@@ -10,6 +10,7 @@ from rosbase.imu.rejects import NO_SIGN_OF_LIFE, meaning_of
 __all__ = ["HealthWatch", "device_fault"]
 
 _NS_PER_S = 1_000_000_000
+_DAMAGE = "framing_error"
 _ERROR_AFTER = 5.0
 # A device that sends nonsense now and then is not silent in between: it is after so many times
 # the interval at which it sends, but no later than this.
@@ -56,6 +57,9 @@ class HealthWatch:
         # Reasons are counted since the last sample.
         self._since: Mapping[str, int] = counts.by_reason
         self._reason = ""
+        # Framing errors so far, and at the last sample.
+        self._damaged = 0
+        self._damaged_since: int | None = None
         self._is_unended = False
         self.unended = 0
         """How many frames were begun and did not end within the stale timeout."""
@@ -89,6 +93,9 @@ class HealthWatch:
             self._interval_ns = data_ns - self._data_ns
             self._data_ns = data_ns
             self._unframed_ns = self._unframed_ns or data_ns
+        self._damaged = transport.link_errors.get(_DAMAGE, 0)
+        if self._damaged_since is None or counts.published != self._published:
+            self._damaged_since = self._damaged
         framed = _framed(counts)
         if framed != self._framed:
             self._framed, self._unframed_ns, self._is_unended = framed, None, False
@@ -109,7 +116,8 @@ class HealthWatch:
         reason = self._commonest_reason(counts)
         is_silent = silence_s > self._patience_s(has_sent=has_sent)
         if reason and not is_silent:
-            return _unusable(reason, self._explain(reason), transport.pending_bytes)
+            damaged = self._damaged - (self._damaged_since or 0)
+            return _unusable(reason, self._explain(reason), transport.pending_bytes, damaged)
         if is_sending:
             return _no_sample((now_ns - self._sample_ns) / _NS_PER_S)
         return _silence(silence_s, is_long=is_silent)
@@ -178,15 +186,19 @@ def _no_sample(seconds: float) -> Health:
     return Health(HealthLevel.WARN, f"no sample for {seconds:.1f} s")
 
 
-def _unusable(reason: str, why: str, pending_bytes: int) -> Health:
+def _unusable(reason: str, why: str, pending_bytes: int, damaged: int) -> Health:
     """Return the health of a reader whose device sends, but no samples.
 
     Args:
         reason: Why most frames are refused, in one word.
         why: The same in half a line, or an empty text.
         pending_bytes: Bytes since the last end of a frame, which are what is wrong if `unended`.
+        damaged: Bytes with framing errors since the last sample, which are the true cause.
     """
     if reason == "unended" and pending_bytes:
         why = f"{pending_bytes} {why}"
     said = f"nothing usable arrives: {reason}"
+    if damaged:
+        said = f"{said}, with framing errors"
+        why = f"{damaged} bytes as if sent at another baud rate"
     return Health(HealthLevel.WARN, f"{said}: {why}" if why else said, kind=said)

@@ -70,10 +70,16 @@ class Bench:
         return guarded
 
     def transport(
-        self, peer: GuardedPeer, clock: Clock | None = None, *, waits: bool = False
+        self,
+        peer: GuardedPeer,
+        clock: Clock | None = None,
+        *,
+        waits: bool = False,
+        reopens: bool = False,
     ) -> GuardedTransport:
-        """A new transport for the peer; one that waits for it, if it is to."""
-        more = self.author.capabilities.waits_with if waits else {}
+        """A new transport for the peer; one that waits for it or opens it anew, if it is to."""
+        can = self.author.capabilities
+        more = {**(can.waits_with if waits else {}), **(can.reopens_with if reopens else {})}
         view = _Parameters({**peer.parameters, **more}, peer.made)
         context = TransportContext(clock or self.clock, RosbaseLogger(_LOG))
         made = _made(

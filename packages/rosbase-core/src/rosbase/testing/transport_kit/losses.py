@@ -11,6 +11,7 @@ from rosbase.testing.transport_kit.check import check
 __all__ = ["LossChecks"]
 
 _LOSSES = 3
+_SILENCES = 2
 # Lost, not there, is back.
 _LINES_EACH = 3
 
@@ -146,3 +147,29 @@ class LossChecks(TransportAuthor):
         bench.require(lines, "a loss was not logged at all")
         seen = f"{_LOSSES} losses made {len(lines)} lines: {lines[:4]}..."
         bench.require(len(lines) <= _LOSSES * _LINES_EACH, seen)
+
+    @check("reopens_with")
+    def test_a_silent_device_is_opened_anew(self, bench: Bench) -> None:
+        """Told to, it opens a silent device anew until data flows, counts that, and says it once.
+
+        That is two lines in the log: the device is silent, and the device sends again.
+        """
+        peer = bench.peer()
+        transport = bench.transport(peer, reopens=True)
+        subscriber = RecordingSubscriber()
+        transport.start(subscriber)
+        said = len(bench.log.lines)
+        bench.wait_until(
+            lambda: transport.health.reconnects >= _SILENCES,
+            f"health.reconnects to reach {_SILENCES} while the device is silent",
+        )
+        error = transport.health.last_error
+        bench.require(error, "health.last_error was empty while the device was silent")
+        bench.wait_for_return(peer, subscriber)
+        bench.wait_until(
+            lambda: not transport.health.last_error, "health.last_error to be empty again"
+        )
+        lines = bench.log.lines[said:]
+        bench.require(lines, "a silent device was not logged at all")
+        seen = f"{_SILENCES} times or more made {len(lines)} lines: {lines[:4]}..."
+        bench.require(len(lines) <= _LINES_EACH, seen)
