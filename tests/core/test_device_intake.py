@@ -112,6 +112,22 @@ def test_more_than_is_read_at_once_is_not_lost() -> None:
     assert all(gap > 0 for gap in rig.gaps_ms)
 
 
+def test_a_stream_that_never_pauses_is_read_on_for_a_moment_only() -> None:
+    rig = Rig(LineFramer())
+    rig.steady()
+    rig.clock.advance(0.3)
+    begun_ns = rig.clock.monotonic_ns()
+
+    def read_more(timeout_ms: int) -> bytes:
+        rig.clock.advance(0.0005)
+        return b"x\n"
+
+    rig.intake.take(b"x\n", read_more)
+    assert rig.frames[-1][1] > rig.clock.now_ns() - MS
+    assert rig.clock.monotonic_ns() - begun_ns < 200 * MS
+    assert rig.tally.late_frames == 0
+
+
 def test_frames_behind_which_the_device_is_lost_are_handed_over() -> None:
     rig = Rig(LineFramer())
     rig.steady()

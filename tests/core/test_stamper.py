@@ -143,7 +143,7 @@ def test_what_is_read_piece_by_piece_after_a_stall_is_stamped_together(rig: Rig)
     rig.steady()
     rig.clock.advance(0.2)
     moments = [rig.stamper.read()] * 19
-    assert rig.stamper.has_waited
+    assert rig.stamper.wants_more
     rig.clock.advance(0.001)
     moments.append(rig.stamper.more())
     stamps = rig.stamper.many(moments)

@@ -13,6 +13,7 @@ from imu_mqtt.subscription import Subscription
 from imu_mqtt.topic_lock import LEAST_TIMEOUT_S, TopicLock
 from imu_mqtt.transport import MqttTransport
 from rosbase.clock import SystemClock
+from rosbase.contracts.stamper import Stamper
 from rosbase.contracts.transport import Tally, TransportContext
 from rosbase.logger import RosbaseLogger
 from rosbase.testing import ManualClock, RecordingSubscriber
@@ -37,15 +38,28 @@ class Rig:
         self.subscriber = RecordingSubscriber(then=is_sample if answers else None)
         logger = RosbaseLogger("mqtt_test", self.clock)
         context = TransportContext(self.clock, logger, stale_timeout_s)
-        self.subscription = Subscription(self.subscriber, self.tally, context, is_filter=True)
+        self.stamper = Stamper(context, self.tally)
+        self.subscription = Subscription(
+            self.subscriber, self.tally, context, self.stamper, is_filter=True
+        )
 
     def take(self, topic: str, payload: bytes = SAMPLE, after_s: float = 0.0) -> bool:
         """A message of that topic; whether it was handed over."""
         self.clock.advance(after_s)
         before = len(self.subscriber.frames)
+        # Nothing has waited: the reader was there all the time.
+        self.stamper.look()
+        read_ns = self.stamper.read()
         self.subscription.take(
-            payload, 7, topic=topic, retained=False, redelivered=False, fault="", size=len(payload)
+            payload,
+            read_ns,
+            topic=topic,
+            retained=False,
+            redelivered=False,
+            fault="",
+            size=len(payload),
         )
+        self.subscription.deliver(read_ns)
         return len(self.subscriber.frames) > before
 
 

@@ -169,7 +169,7 @@ class NetworkThread:
         subscription = self._made
         try:
             stands = connection.turn(_TURN_S)
-            if subscription is not None and subscription.kept and self._stamper.has_waited:
+            if subscription is not None and subscription.kept and self._stamper.wants_more:
                 stands = stands and self._read_on(connection, subscription)
         finally:
             # Also if the connection was lost behind them.
@@ -182,7 +182,9 @@ class NetworkThread:
         self._reads_on = True
         try:
             kept, stands = 0, True
-            while stands and not self._stopping and kept < subscription.kept < _MOST_AT_ONCE:
+            while stands and kept < subscription.kept < _MOST_AT_ONCE:
+                if self._stopping or not self._stamper.wants_more:
+                    break
                 kept = subscription.kept
                 stands = connection.turn(_SETTLE_S)
         finally:

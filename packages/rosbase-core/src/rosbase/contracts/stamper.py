@@ -58,9 +58,9 @@ class Stamper:
         return self._timeline.more(self._clock.now_ns(), self._clock.monotonic_ns())
 
     @property
-    def has_waited(self) -> bool:
+    def wants_more(self) -> bool:
         """Whether what was read may have waited, so that `more` of it should be read first."""
-        return self._timeline.has_waited
+        return self._timeline.wants_more
 
     def many(
         self, begun_ns: Sequence[int], *, is_within: bool = False, wire_ns: int | None = None

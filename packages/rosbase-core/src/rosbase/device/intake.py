@@ -18,7 +18,6 @@ ReadMore: TypeAlias = Callable[[float], bytes]
 _SETTLE_MS = 1
 # More than a terminal or a socket keeps by default. What is beyond that waits for the next look.
 _MOST_BYTES = 512 * 1024
-_MOST_READS = 1_000
 
 
 class Intake:
@@ -74,7 +73,7 @@ class Intake:
                     tally.frames += 1
                     hand_over(self._on_frame, event.data, stamp_ns, self._logger)
                     return at_ns
-        if events or self._stamper.has_waited:
+        if events or self._stamper.wants_more:
             self._take_many(events, len(data), read_more)
         return at_ns
 
@@ -85,7 +84,7 @@ class Intake:
 
     def _take_many(self, events: list[FrameEvent], size: int, read_more: ReadMore) -> None:
         try:
-            if self._stamper.has_waited:
+            if self._stamper.wants_more:
                 size += self._read_on(events, read_more)
         finally:
             # Also if the device was lost behind them.
@@ -94,13 +93,12 @@ class Intake:
 
     def _read_on(self, events: list[FrameEvent], read_more: ReadMore) -> int:
         """Add what waits to the events; return how many bytes it was."""
-        size = reads = 0
-        while size < _MOST_BYTES and reads < _MOST_READS and not self.is_ended:
+        size = 0
+        while size < _MOST_BYTES and self._stamper.wants_more and not self.is_ended:
             # One frame alone has usually just come.
             data = read_more(_SETTLE_MS if len(events) > 1 else 0)
             if not data:
                 break
-            reads += 1
             size += len(data)
             at_ns = self._tally.last_data_ns = self._stamper.more()
             self._tally.received_bytes += len(data)

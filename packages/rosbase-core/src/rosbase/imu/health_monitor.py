@@ -7,7 +7,7 @@ from rosbase.contracts.transport import Transport
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.health import Health, HealthLevel
 from rosbase.imu.health_watch import HealthWatch
-from rosbase.imu.rejects import IGNORED, REJECT_LOG_S
+from rosbase.imu.rejects import IGNORED, REJECT_LOG_S, SAID_BEFORE
 from rosbase.logger import RosbaseLogger
 
 __all__ = ["HealthMonitor"]
@@ -72,6 +72,8 @@ class HealthMonitor:
     def _say_frame_errors(self, errors: Mapping[str, int], counts: CountsSnapshot) -> None:
         """Log what the transport has dropped; the pipeline logs what it drops itself."""
         for reason, number in errors.items():
+            if reason in SAID_BEFORE:
+                continue
             dropped = number - self._said.get(reason, 0)
             frames = "frame" if dropped == 1 else "frames"
             if dropped and self._say(

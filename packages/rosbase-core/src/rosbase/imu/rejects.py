@@ -2,7 +2,7 @@
 
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 
-__all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S", "meaning_of"]
+__all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S", "SAID_BEFORE", "meaning_of"]
 
 REJECT_LOG_S = 5.0
 """Least seconds between two lines in the log about the same reason."""
@@ -34,6 +34,9 @@ IGNORED = frozenset(
     {"duplicate", "not_active", "not_data", "not_selected", "other_topic", "retained"}
 )
 """Reasons that are no fault of the device."""
+
+SAID_BEFORE = frozenset({"late"})
+"""Reasons of which the transport's log says more than there is to say here."""
 
 NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
 """Reasons that say nothing of the device that is read: whether it lives, or what it sends."""

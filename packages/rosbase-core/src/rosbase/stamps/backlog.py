@@ -16,18 +16,16 @@ _MOST_AT_ONCE = 4
 
 
 def is_undatable(count: int, waited_ns: int, usual_ns: int) -> bool:
-    """Return whether so many frames have waited for long, and nobody knows for how long.
+    """Return whether nobody can know when frames came that have waited for long.
 
     As many as usually come in that time are all there: each came when it was due. Where some are
     missing, a buffer has overrun, and it is not known which of them.
 
     Args:
         count: How many frames there are.
-        waited_ns: For how long they may have waited: since the look before.
+        waited_ns: For how long they may have waited.
         usual_ns: The usual interval; 0 if it is not known.
     """
-    if waited_ns <= LATE_NS:
-        return False
     missing_ns = waited_ns - count * usual_ns
     return not usual_ns or missing_ns >= max(usual_ns, waited_ns >> _MISSING_SHIFT)
 

@@ -15,6 +15,8 @@ __all__ = ["Timeline"]
 # A look that comes within this time, or within four usual intervals, is prompt.
 _PROMPT_NS = 20_000_000
 _PROMPT_SHIFT = 2
+# What has waited is read within this time, or a quarter of the wait.
+_DRAIN_NS, _DRAIN_SHIFT = 100_000_000, 2
 # Once the rhythm is known, it is looked at after so many frames that came alone.
 _FEW = 8
 _NEVER_NS = -(1 << 62)
@@ -114,12 +116,18 @@ class Timeline:
     @property
     def waited_ns(self) -> int:
         """For how long what was read last may have waited: since the look before."""
-        return self._at_ns - self._looked_ns
+        return self._first_ns - self._looked_ns
 
     @property
-    def has_waited(self) -> bool:
-        """Whether that is so long that more may be waiting."""
-        return self._at_ns - self._looked_ns > self._prompt_ns
+    def wants_more(self) -> bool:
+        """Whether that is so long that more may be waiting, to be read first.
+
+        Of a stream that never pauses more is wanted for a moment only.
+        """
+        waited_ns = self._first_ns - self._looked_ns
+        if waited_ns <= self._prompt_ns:
+            return False
+        return self._at_ns - self._first_ns <= _DRAIN_NS + (waited_ns >> _DRAIN_SHIFT)
 
     def one(self, begun_ns: int) -> int | None:
         """Return the stamp of the only frame of a read; None if `many` is to be asked.
@@ -191,7 +199,7 @@ class Timeline:
         self._stuck_ns = self._last_ns if is_stuck else _NEVER_NS
         self._stamped_ns = self._at_ns
         self._asleep_ns = self.late = 0
-        if self._is_behind or self._at_ns - self._looked_ns > LATE_NS:
+        if self._is_behind or self._first_ns - self._looked_ns > LATE_NS:
             self.late = self._count_late(stamps)
             self._rhythm.pause()
             self._set_pace()
@@ -235,10 +243,10 @@ class Timeline:
         There is a slot for each, and one for a frame that has begun behind them.
         """
         usual_ns, waited_ns = self._rhythm.interval_ns, self._at_ns - self._looked_ns
-        if self._is_behind or waited_ns > LATE_NS:
-            self._is_behind = is_undatable(slots, waited_ns, usual_ns) or (
-                self._is_behind and is_left_over(slots, waited_ns, usual_ns)
-            )
+        is_late = self._first_ns - self._looked_ns > LATE_NS
+        if is_late or self._is_behind:
+            tell = is_undatable if is_late else is_left_over
+            self._is_behind = tell(slots, waited_ns, usual_ns)
             if self._is_behind:
                 self._behind_ns = self._at_ns
                 if not self._keeps_all:
