@@ -17,7 +17,7 @@ from support.mapping_cases import Case, make_cases
 from support.mapping_oracle import GROUPS, Outcome, read
 
 # `nox -s million` sets it.
-CASES = int(os.environ.get("ROSBASE_MAPPING_CASES", "4000"))
+CASES = int(os.environ.get("ROSBASE_MAPPING_CASES", "1500"))
 
 
 def simplify(found: Sample | Reject | Batch[Sample]) -> Any:
