@@ -298,8 +298,6 @@ def test_s16_errors_that_the_driver_counts_are_counted_and_said(
     assert transport.health.link_errors == reasons
     expected = [f"{rig.port.path}: {said.format(rig.port.path)}"] if said else []
     assert rig.said(caplog.messages) == expected
-        [f"{rig.port.path}: {said.format(rig.port.path)}"] if said else []
-    )
     assert transport.health.last_error == "", "it goes on"
 
 
