@@ -20,7 +20,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),
     "Transports": ("contracts.transport", "contracts.stamper", "device", "framing"),
-    "Backends": ("contracts.backend", "contracts.imu_sender", "local"),
+    "Backends": ("contracts.backend", "contracts.imu_sender", "contracts.names", "local"),
     "Checks of `rosbase doctor`": ("contracts.checks",),
     "Time, waiting, logging": ("clock", "runtime", "logger"),
     "Text from outside": ("text",),

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from rosbase.cli.core_checks import check_plugins, check_python
+from rosbase.cli.core_checks import check_clock, check_plugins, check_python
 from rosbase.cli.examination import examine
 from rosbase.clock import SystemClock
 from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import PluginRegistry
 from rosbase.plugins.switches import PluginSwitches
+from rosbase.testing import ManualClock
 from support.command import run_apart
 from support.plugins import TRANSPORT_PLUGIN, candidates_in, install_plugin
 
@@ -177,6 +178,24 @@ def test_the_interpreter_is_named_and_what_nobody_has_tried_is_a_warning(
         "rosbase is not tested on Plan9",
     ]
     assert all(warning.outcome is Outcome.WARN for warning in warnings)
+
+
+@pytest.mark.parametrize(
+    ("date_s", "outcome", "said"),
+    [
+        (1_795_000_000, Outcome.OK, "the date of this machine is 2026-11-18 11:06:40 UTC"),
+        (300, Outcome.WARN, "1970-01-01 00:05:00 UTC, which is long ago: nobody has set it"),
+        (2_208_988_800, Outcome.WARN, "2040-01-01 00:00:00 UTC, and ROS stamps go from 1970 to"),
+        (-1, Outcome.WARN, "1969-12-31 23:59:59 UTC, and ROS stamps go from 1970 to"),
+    ],
+)
+def test_the_date_is_told_and_one_that_makes_wrong_stamps_is_a_warning(
+    date_s: int, outcome: Outcome, said: str
+) -> None:
+    (finding,) = check_clock(ManualClock(date_s * 1_000_000_000))
+    assert finding.outcome is outcome
+    assert said in finding.text
+    assert ("timedatectl" in finding.advice) is (outcome is Outcome.WARN)
 
 
 def test_every_plugin_is_a_finding_with_what_to_do(

@@ -9,9 +9,11 @@ ROOT = Path(__file__).parents[2]
 # A backend has more to it than a transport: messages, services, parameters, time, logs. And over
 # MQTT there is a connection to be reached and kept, packets of a broker that nobody trusts, and a
 # WebSocket that may carry them. Both have a check for `rosbase doctor`, and that of ROS asks a
-# process of its own, which ROS may end. A serial port has surroundings, each a subject of its own:
-# the driver, other programs and who they are, and two kinds of network.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 12, "rosbase-ros2": 17}
+# process of its own, which ROS may end. What ROS, its middleware and its tools leave unsaid has
+# modules of its own: how it starts, what the machine must offer, what users set from outside,
+# messages that are refused, questions for the main loop. A serial port has surroundings, each a
+# subject of its own: the driver, other programs and who they are, and two kinds of network.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 12, "rosbase-ros2": 23}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

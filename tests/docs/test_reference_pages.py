@@ -54,7 +54,7 @@ def variables_in(pattern: str, *packages: str) -> set[str]:
 
 def test_every_variable_of_the_environment_that_is_read_stands_in_the_reference() -> None:
     own = variables_in(r"\bROSBASE_[A-Z_]+\b", *(p.name for p in (ROOT / "packages").iterdir()))
-    of_ros = variables_in(r"\"((?:ROS|RMW|AMENT)_[A-Z_]+)\"", "rosbase-ros2")
+    of_ros = variables_in(r"\"((?:ROS|RMW|AMENT|FASTDDS|FASTRTPS)_[A-Z_]+)\"", "rosbase-ros2")
     assert own
     assert of_ros
     assert named_in_tables(ENVIRONMENT) == own | of_ros

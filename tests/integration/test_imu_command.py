@@ -300,3 +300,23 @@ def test_nobody_listens_to_samples_that_are_not_shown(*, is_quiet: bool) -> None
     manager = ReaderManager({}, Output(io.StringIO()), backend="local", is_quiet=is_quiet)
     assert (manager.monitor is None) == is_quiet
     manager.destroy_node()
+
+
+@pytest.mark.parametrize("namespace", ["a//b", "1abc", "imu/", " ", "~x", "{x}", "ä", "a" * 300])
+def test_a_bad_topic_namespace_is_one_line_and_status_2_before_the_device_is_opened(
+    port: PluggablePort, namespace: str
+) -> None:
+    port.plug()
+    done = run_rosbase(
+        "imu", "-p", f"device_path:={port.path}", "-p", f"topic_namespace:={namespace}"
+    )
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith("rosbase: parameter topic_namespace: ")
+
+
+def test_a_frame_that_is_not_text_is_one_line_and_status_2(port: PluggablePort) -> None:
+    port.plug()
+    # As a terminal of another encoding gives it.
+    done = run_rosbase("imu", "-p", f"device_path:={port.path}", "-p", "frame_id:=ger\udce4t")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "parameter frame_id: " in done.stderr

@@ -76,6 +76,15 @@ def test_each_policy_becomes_the_one_of_that_name(
     assert (queue_depth(profile) == 3) == (history is HistoryPolicy.KEEP_LAST)
 
 
+def test_a_history_that_keeps_all_needs_no_depth(pair: Pair) -> None:
+    nothing: Any = None
+    profile = QoSProfile(nothing, history=HistoryPolicy.KEEP_ALL)
+    got: list[String] = []
+    pair.backend.create_subscription(String, "words", got.append, profile)
+    publisher = pair.backend.create_publisher(String, "words", profile)
+    pair.spin_until(lambda: publisher.publish(String("x")) and got)
+
+
 def test_the_policies_of_rclpy_make_a_profile_of_rosbase() -> None:
     policy: Any = ros.DurabilityPolicy.TRANSIENT_LOCAL
     assert QoSProfile(2, durability=policy) == LATCHED

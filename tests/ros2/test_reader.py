@@ -5,9 +5,6 @@ import json
 import os
 import signal
 import statistics
-import subprocess
-import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,41 +17,14 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from imu_mqtt.simulator import BrokeredDevice
 from imu_serial.simulator import PtyDevice
 from rosbase.contracts.transport import SimulatedDevice
-from rosbase.errors import TransportError
 from rosbase.imu.simulator import payload_at
 from rosbase.messages import Time
-from support.command import Lines, RunningRosbase, run_rosbase, summary_of
+from support.command import RunningRosbase, run_rosbase, summary_of
+from support.listening import WARM_UP_S, Listener, listening
 from support.plugins import install_plugin
 from support.ros import Client
+from support.streaming import streaming
 from support.waiting import wait_until
-
-LISTENER = Path(__file__).parents[1] / "support" / "ros_listener.py"
-# Of this day, or the reader would ask for more than one sample with such a date.
-WARM_UP_S = int(time.time()) - 3600
-
-
-class Listener:
-    """A plain subscriber in a process of its own."""
-
-    def __init__(self, topic: str, depth: int) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, str(LISTENER), topic, str(depth)], stdout=subprocess.PIPE, text=True
-        )
-        assert self._process.stdout is not None
-        self.out = Lines(self._process.stdout)
-
-    def close(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        self.out.join()
-        assert self._process.stdout is not None
-        self._process.stdout.close()
-
-    @property
-    def heard(self) -> list[dict[str, Any]]:
-        """The messages so far, without those of the warm-up."""
-        messages = [json.loads(line) for line in list(self.out.lines)]
-        return [message for message in messages if message["stamp"][0] != WARM_UP_S]
 
 
 @pytest.fixture
@@ -72,16 +42,6 @@ def reading(device: PtyDevice, *arguments: str) -> Iterator[RunningRosbase]:
         "-p", f"device_path:={device.parameters['device_path']}", "-p", "time_source:=device",
     ) as reader:  # fmt: skip
         yield reader
-
-
-@contextmanager
-def listening(topic: str = "/imu/data") -> Iterator[Listener]:
-    """A listener in a process of its own."""
-    listener = Listener(topic, 10_000)
-    try:
-        yield listener
-    finally:
-        listener.close()
 
 
 _warm_ups = itertools.count()
@@ -162,31 +122,6 @@ def client(context: Any) -> Iterator[Client]:
     client.destroy()
 
 
-@contextmanager
-def streaming(device: PtyDevice) -> Iterator[None]:
-    """Sends samples all the time; the nanoseconds of their stamps count them, from 0."""
-    stop = threading.Event()
-
-    def stream() -> None:
-        for number in itertools.count():
-            if stop.wait(0.001):
-                return
-            try:
-                device.send(payload_at(0.0, Time(WARM_UP_S + 1, number)))
-            except TransportError:
-                return
-
-    thread = threading.Thread(target=stream)
-    thread.start()
-    try:
-        yield
-    finally:
-        stop.set()
-        # Nobody may be left to read what it sends.
-        device.close()
-        thread.join()
-
-
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_while_active_ends_it_at_once_and_the_last_message_is_delivered(
     device: PtyDevice, client: Client, signum: int
@@ -194,7 +129,7 @@ def test_a_signal_while_active_ends_it_at_once_and_the_last_message_is_delivered
     with reading(device) as reader, listening() as listener:
         client.await_services()
         wait_until(lambda: client.state() == "active", "the reader to be active")
-        with streaming(device):
+        with streaming(device, period_s=0.001, sec=WARM_UP_S + 1):
             wait_until(lambda: len(listener.out.lines) > 100, "a stream")
             assert end(reader, signum) == 0
         published = summary_of(reader.out.lines)["published"]

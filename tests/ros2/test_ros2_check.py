@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from rosbase.contracts.checks import Finding, Outcome
+from rosbase.testing import ManualClock
 from rosbase_ros2 import check
 from rosbase_ros2.check import check_ros
 from support.command import run_rosbase
@@ -63,8 +64,13 @@ def test_middleware_is_found_under_every_prefix_of_ros(
         ("233", Outcome.FAIL),
         ("x", Outcome.FAIL),
         ("-2", Outcome.FAIL),
+        ("1.5", Outcome.FAIL),
         ("102", Outcome.WARN),
+        ("214", Outcome.WARN),
+        ("215", Outcome.OK),
         ("101", Outcome.OK),
+        # As C has it, and so ROS: 8.
+        ("010", Outcome.WARN),
         ("", Outcome.OK),
     ],
 )
@@ -74,6 +80,26 @@ def test_a_domain_that_is_none_fails_and_one_that_may_collide_is_a_warning(
     monkeypatch.setattr(check, "_ask_child", lambda environment: check._Answer())
     monkeypatch.setenv("ROS_DOMAIN_ID", domain)
     assert findings()[-1].outcome is outcome
+
+
+def test_a_domain_that_c_reads_otherwise_is_told_as_ros_reads_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(check, "_ask_child", lambda environment: check._Answer())
+    monkeypatch.setenv("ROS_DOMAIN_ID", "010")
+    domain = findings()[-1]
+    assert domain.text == "ROS_DOMAIN_ID is '010', which ROS reads as 8, as C would"
+
+
+def test_a_date_at_which_nothing_starts_comes_with_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    answer = check._Answer(failure="ROS 2 does not start: the date of this machine is 2040")
+    monkeypatch.setattr(check, "_ask_child", lambda environment: answer)
+    monkeypatch.setattr(check, "SystemClock", lambda: ManualClock(2_208_988_800_000_000_000))
+    failed, _ = findings()
+    assert failed.outcome is Outcome.FAIL
+    assert "timedatectl" in failed.advice
 
 
 def test_in_a_domain_that_is_none_the_rest_is_looked_at_all_the_same(

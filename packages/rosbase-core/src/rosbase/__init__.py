@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from rosbase.clock import (
         Clock,
         SystemClock,
+        date_fault,
     )
     from rosbase.contracts.backend import (
         Backend,
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     from rosbase.contracts.imu_sender import (
         ImuSender,
         message_sender,
+    )
+    from rosbase.contracts.names import (
+        resolve_topic,
     )
     from rosbase.contracts.parameter_store import (
         OnSetParameters,
@@ -115,6 +119,7 @@ if TYPE_CHECKING:
         ParameterValue,
         SetParametersResult,
         check_value,
+        did_you_mean,
         parse_text,
     )
     from rosbase.plugins import (
@@ -268,6 +273,8 @@ __all__ = [
     "WakePipe",
     "as_profile",
     "check_value",
+    "date_fault",
+    "did_you_mean",
     "hand_over",
     "hookimpl",
     "installed_plugins",
@@ -280,6 +287,7 @@ __all__ = [
     "qos_profile_sensor_data",
     "refused",
     "register_multiprocess_nodes",
+    "resolve_topic",
     "shutdown_multiprocess_nodes",
     "timer_period_ns",
 ]
@@ -377,6 +385,8 @@ _HOMES = {
     "WakePipe": "rosbase.runtime.wake_pipe",
     "as_profile": "rosbase.qos",
     "check_value": "rosbase.parameters",
+    "date_fault": "rosbase.clock",
+    "did_you_mean": "rosbase.parameters",
     "hand_over": "rosbase.contracts.transport",
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
@@ -389,6 +399,7 @@ _HOMES = {
     "qos_profile_sensor_data": "rosbase.qos",
     "refused": "rosbase.contracts.parameter_store",
     "register_multiprocess_nodes": "rosbase.processes",
+    "resolve_topic": "rosbase.contracts.names",
     "shutdown_multiprocess_nodes": "rosbase.processes",
     "timer_period_ns": "rosbase.contracts.backend",
 }

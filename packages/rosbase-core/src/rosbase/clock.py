@@ -3,19 +3,25 @@
 import threading
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
 from functools import partial
 from typing import Protocol
 
-from rosbase.messages import Time
+from rosbase.messages import Time, is_stamp
 
-__all__ = ["Clock", "SystemClock"]
+__all__ = ["Clock", "SystemClock", "date_fault"]
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 class Clock(Protocol):
     """Tells the time, in two ways, and waits."""
 
     def now(self) -> Time:
-        """The date, for stamps. It may be set, so it may jump."""
+        """Return the date as a stamp; zero if ROS cannot carry it (`rosbase.messages.is_stamp`).
+
+        The date may be set, so it may jump.
+        """
         ...
 
     def now_ns(self) -> int:
@@ -57,8 +63,8 @@ class SystemClock:
     sleep = staticmethod(time.sleep)
 
     def now(self) -> Time:
-        """The date, for stamps."""
-        return Time.from_nanoseconds(time.time_ns())
+        """Return the date as a stamp; zero if ROS cannot carry it."""
+        return Time.as_stamp(time.time_ns())
 
     @staticmethod
     def suspended_ns() -> int:
@@ -70,3 +76,22 @@ class SystemClock:
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
         """A function that waits for a lock, for so many seconds at most."""
         return partial(wakeup.acquire, True)  # noqa: FBT003 - no names here
+
+
+def date_fault(now_ns: int) -> str:
+    """Return why a date cannot be a ROS stamp, in one line; empty if it can.
+
+    Args:
+        now_ns: The date of this machine, in nanoseconds since the Unix epoch; or zero, which a
+            simulated clock says as long as nothing has been heard of it.
+    """
+    if is_stamp(now_ns):
+        return ""
+    if now_ns == 0:
+        return "the clock has no date yet; with use_sim_time, does anything publish /clock?"
+    try:
+        date = f"{_EPOCH + timedelta(microseconds=now_ns // 1000):%Y-%m-%d %H:%M:%S} UTC"
+    except OverflowError:
+        # Beyond the year 9999, or before the year 1.
+        date = f"{now_ns / 1e9:.3g} s after 1970"
+    return f"the date of this machine is {date}, and ROS stamps go from 1970 to 2038-01-19"

@@ -14,6 +14,7 @@ from attrs import Attribute, field, frozen
 __all__ = [
     "COVARIANCE_NOT_REPORTED",
     "COVARIANCE_UNKNOWN",
+    "STAMPS_END_NS",
     "Bool",
     "Covariance",
     "DiagnosticArray",
@@ -33,6 +34,7 @@ __all__ = [
     "Time",
     "Twist",
     "Vector3",
+    "is_stamp",
 ]
 
 Covariance: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
@@ -45,6 +47,21 @@ COVARIANCE_NOT_REPORTED: Covariance = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 
 """The quantity is not measured at all; its values mean nothing (sensor_msgs/Imu)."""
 
 _NS_PER_S = 1_000_000_000
+
+STAMPS_END_NS = 2**31 * _NS_PER_S
+"""Nanoseconds since the Unix epoch at which ROS stamps end: 2038-01-19 03:14:08 UTC.
+
+The seconds of builtin_interfaces/Time are an int32.
+"""
+
+
+def is_stamp(nanoseconds: int) -> bool:
+    """Tell whether a ROS stamp can carry a time, in nanoseconds since the Unix epoch.
+
+    rcl and DDS take no time before 1970, although an int32 has room for it, and zero means that
+    there is no time yet.
+    """
+    return 0 < nanoseconds < STAMPS_END_NS
 
 
 def _nine(instance: object, attribute: "Attribute[Covariance]", value: Covariance) -> None:
@@ -65,6 +82,11 @@ class Time:
     def from_nanoseconds(cls, nanoseconds: int) -> "Time":
         """The time that many nanoseconds after the epoch."""
         return cls(*divmod(nanoseconds, _NS_PER_S))
+
+    @classmethod
+    def as_stamp(cls, nanoseconds: int) -> "Time":
+        """Return that time as a stamp: zero if ROS cannot carry it (see `is_stamp`)."""
+        return cls(*divmod(nanoseconds, _NS_PER_S)) if is_stamp(nanoseconds) else cls()
 
     @property
     def nanoseconds(self) -> int:

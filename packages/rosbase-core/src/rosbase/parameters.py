@@ -4,8 +4,10 @@ The types are those of rcl_interfaces/ParameterType. A whole number is accepted 
 double is due; nothing else is converted.
 """
 
+import difflib
 import math
 import re
+from collections.abc import Iterable
 from enum import Enum
 from typing import Any, TypeAlias, cast
 
@@ -20,6 +22,7 @@ __all__ = [
     "ParameterValue",
     "SetParametersResult",
     "check_value",
+    "did_you_mean",
     "parse_text",
 ]
 
@@ -147,6 +150,12 @@ def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
         case ParameterKind.BOOL_ARRAY | ParameterKind.INTEGER_ARRAY | ParameterKind.DOUBLE_ARRAY:
             return check_value(spec, [_scalar(item) for item in _items(text)])
     return check_value(spec, _scalar(text))
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a hint for a name that is not known, such as `; did you mean rate?`; empty if none."""
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 _INTEGER = re.compile(r"[-+]?\d+", re.ASCII)

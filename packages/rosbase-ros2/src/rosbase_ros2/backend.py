@@ -1,12 +1,12 @@
 """The `ros2` backend: an rclpy node of its own, handled on the main-loop thread."""
 
+import copy
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import rclpy
-from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.signals import SignalHandlerOptions
+from rclpy.qos import QoSProfile
 
 from rosbase import (
     Backend,
@@ -16,6 +16,7 @@ from rosbase import (
     ManagedNode,
     OnSetParameters,
     Parameter,
+    ParameterError,
     ParameterSpec,
     Publisher,
     SetParametersResult,
@@ -25,19 +26,24 @@ from rosbase import (
     installed_plugins,
     make_logger,
     one_line,
+    resolve_topic,
     timer_period_ns,
 )
 from rosbase.messages import Imu
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import Retirement, await_delivery
+from rosbase_ros2.given import given_parameters, name_strange_files, name_undeclared
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
+from rosbase_ros2.qos_overrides import QoSOverrides
 from rosbase_ros2.questions import Questions
+from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.spinner import Spinner
+from rosbase_ros2.starting import prepare_machine, ros_arguments, start_node
 from rosbase_ros2.timers import RosTimer, Timers
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
@@ -56,20 +62,26 @@ class Ros2Backend(Backend):
         """Starts a node; arguments after `--ros-args` on the command line are heeded.
 
         Raises:
-            BackendError: ROS refuses the arguments or the name.
+            BackendError: ROS refuses the arguments or the name, or cannot start on this machine.
+            ParameterError: An override of a quality of service is none.
         """
         super().__init__(SystemClock(), options.node_name)
         self._context = rclpy.Context()
-        self.node = _start_node(self._context, options)
+        warning, arguments = prepare_machine(), ros_arguments(sys.argv)
+        self.node = start_node(self._context, options, arguments)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
         self.node_name = self.node.get_fully_qualified_name().removeprefix("/")
         self.clock = clock = RosClock(self.node)
         self.log_handler = self._rosout = RosoutHandler(self.node)
         self._logger = make_logger(options.node_name, None, clock, self.log_handler)
+        if warning:
+            self._logger.warning(warning)
+        self._refusals = Refusals(self._context, self._logger)
+        self._overrides = self._read_given(options, arguments)
         self._timers = Timers(clock, self.call_soon)
         questions = Questions(self.call_soon, self._is_on_spinner)
-        self._parameters = RosParameters(self.node, questions)
+        self._parameters = RosParameters(self.node, questions, self._refusals)
         self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(self.node)
@@ -88,8 +100,8 @@ class Ros2Backend(Backend):
         """
         self._check_open()
         converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
-        inner = self._create(self.node.create_publisher, converter.ros_type, topic, profile)
-        publisher = RosPublisher(inner, converter)
+        inner = self._create("publisher", converter.ros_type, topic, profile)
+        publisher = RosPublisher(inner, converter, self._refusals)
         self._publishers.append(publisher)
         return publisher
 
@@ -105,13 +117,7 @@ class Ros2Backend(Backend):
         converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
         subscription = RosSubscription(converter, callback, queue_depth(profile), self.call_soon)
         subscription.attach(
-            self._create(
-                self.node.create_subscription,
-                converter.ros_type,
-                topic,
-                subscription.deliver,
-                profile,
-            )
+            self._create("subscription", converter.ros_type, topic, profile, subscription.deliver)
         )
         self._subscriptions.append(subscription)
         return subscription
@@ -183,6 +189,7 @@ class Ros2Backend(Backend):
         self._publishers.clear()
         if self._context.ok():
             await_delivery(list(self.node.publishers), _LAST_MESSAGES_S, self.executor.clock)
+        self._overrides.name_unused()
         self._rosout.close()
         for services in self._services:
             services.close()
@@ -194,13 +201,47 @@ class Ros2Backend(Backend):
         self._context.try_shutdown()
         self.executor.close()
 
-    def _create(self, create: Callable[..., Any], ros_type: type, topic: str, *options: Any) -> Any:
-        """Has rclpy create an end of a topic; what it refuses is an error in one line."""
+    def _create(
+        self, end: str, ros_type: type, topic: str, profile: QoSProfile, *callback: Any
+    ) -> Any:
+        """Have rclpy create an end of a topic; what it refuses is an error in one line."""
+        resolve_topic(topic, self.node_name)
+        is_publisher = end == "publisher"
+        create = self.node.create_publisher if is_publisher else self.node.create_subscription
         try:
-            self._check_type(self.node.resolve_topic_name(topic), ros_type)
-            return create(ros_type, topic, *options)
+            name = self.node.resolve_topic_name(topic)
+            self._check_type(name, ros_type)
+            options = self._overrides.options(name, end)
+            # rclpy changes the profile, which may be used for other topics too.
+            profile = copy.copy(profile) if options else profile
+            return create(ros_type, topic, *callback, profile, qos_overriding_options=options)
         except Exception as error:
-            raise BackendError(f"topic {topic!r}: {one_line(str(error))}") from error
+            reason = one_line(str(error))
+            if fault := self._refusals.explain(error):
+                reason = f"{fault} ({reason})"
+            raise BackendError(f"topic {topic!r}: {reason}") from error
+        finally:
+            if self._overrides.is_unused:
+                # When whoever creates topics has created them all.
+                self.call_soon(self._overrides.name_near_misses)
+
+    def _read_given(self, options: BackendOptions, arguments: list[str]) -> QoSOverrides:
+        """Take what the node was given from outside, and name what means nothing here."""
+        # What a program is given is meant for its manager or one of its children.
+        warn = self._logger.debug if options.is_child else self._logger.warning
+        given = given_parameters(self.node)
+        try:
+            overrides = QoSOverrides(given, warn)
+        except ParameterError:
+            self.node.destroy_node()
+            self._context.try_shutdown()
+            raise
+        name_strange_files(arguments, given, f"/{self.node_name}", warn)
+        names = {*given, *options.parameter_overrides}
+        if names:
+            # When the constructors have declared their parameters.
+            self.call_soon(lambda: name_undeclared(self.node, names, warn))
+        return overrides
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.
@@ -218,48 +259,6 @@ class Ros2Backend(Backend):
 
     def _report(self, error: BaseException) -> None:
         self._logger.error(f"a callback of rclpy raised {type(error).__name__}: {error}")
-
-
-def _start_node(context: Any, options: BackendOptions) -> Any:
-    try:
-        rclpy.init(
-            args=_ros_arguments(sys.argv),
-            context=context,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        overrides = [
-            rclpy.Parameter(name, value=value)
-            for name, value in options.parameter_overrides.items()
-        ]
-        name = options.node_name
-        # What the command line calls the manager would else be the name of its children too.
-        arguments = ["--ros-args", "-r", f"__node:={name}"] if options.is_child else None
-        return rclpy.create_node(
-            name, context=context, cli_args=arguments, parameter_overrides=overrides
-        )
-    except Exception as error:
-        context.try_shutdown()
-        reason = one_line(str(error))
-        if isinstance(error, rclpy_implementation.UnknownROSArgsError):
-            # rclpy has nothing to say but the list of them.
-            reason = f"not known behind --ros-args: {reason}"
-        raise BackendError(f"ROS 2 does not start: {reason}") from error
-
-
-def _ros_arguments(command_line: Iterable[str]) -> list[str]:
-    """What stands behind `--ros-args`, up to `--` or the end, with these two.
-
-    Nothing else is for ROS: rcl takes a `name:=value` of the program itself for a remapping in
-    the style of ROS 1, heeds it, and warns of it.
-    """
-    found: list[str] = []
-    within = False
-    for argument in command_line:
-        within = within or argument == "--ros-args"
-        if within:
-            found.append(argument)
-        within = within and argument != "--"
-    return found
 
 
 def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:

@@ -1,4 +1,4 @@
-"""What `rosbase doctor` is told of ROS 2: rclpy, its middleware, and the domain."""
+"""What `rosbase doctor` is told of ROS 2: rclpy, its middleware, the domain, shared memory."""
 
 import json
 import os
@@ -9,8 +9,21 @@ from pathlib import Path
 
 from attrs import frozen
 
-from rosbase import Finding, Outcome
-from rosbase_ros2.imports import NO_SUCH_MIDDLEWARE, no_such_middleware
+from rosbase import Finding, Outcome, SystemClock, date_fault
+from rosbase_ros2.imports import (
+    NO_SHARED_MEMORY,
+    NO_SUCH_MIDDLEWARE,
+    memory_is_full,
+    no_such_middleware,
+)
+from rosbase_ros2.machine import (
+    SHARED_MEMORY,
+    clashing_ports,
+    domain_fault,
+    free_bytes,
+    read_domain,
+    spare_shared_memory,
+)
 
 __all__ = ["check_ros"]
 
@@ -19,15 +32,17 @@ _PROBE_S = 12.0
 _INDEX = "share/ament_index/resource_index/rmw_typesupport"
 # Has an entry there, and is none: it loads one of the others.
 _NO_MIDDLEWARE = "rmw_implementation"
-_DOMAINS = range(233)
-# The ports of the others may be those that Linux gives to anybody.
-_SAFE_DOMAINS = range(102)
+_SAFE = "a number from 0 to 101"
+_FREE_MEMORY = (
+    f"`fastdds shm clean` removes what killed programs have left in {SHARED_MEMORY};"
+    " in a container, give it more: docker run --shm-size=64m"
+)
 _INSTALL = "pip install 'ros-jazzy-rclpy[fastrtps]'; where ROS is installed: source its setup.bash"
 
 
 def check_ros() -> Iterable[Finding]:
-    """Whether a node can be started, by which middleware, and in which domain."""
-    domain = _check_domain(os.environ.get("ROS_DOMAIN_ID", ""))
+    """Tell whether a node can be started, by which middleware, and in which domain."""
+    domain = _check_domain()
     # A node in a domain that is none says little of anything else.
     unwanted = {"ROS_DOMAIN_ID"} if domain.outcome is Outcome.FAIL else set()
     environment = {name: text for name, text in os.environ.items() if name not in unwanted}
@@ -42,11 +57,13 @@ def _check_node(environment: Mapping[str, str]) -> Iterable[Finding]:
     if answer.status == NO_SUCH_MIDDLEWARE:
         advice = f"unset it, install it, or name one that is there: {there}"
         yield Finding(Outcome.FAIL, no_such_middleware(named), advice)
+    elif answer.status == NO_SHARED_MEMORY:
+        yield Finding(Outcome.FAIL, memory_is_full(free_bytes()), _FREE_MEMORY)
     elif answer.rclpy_failure:
         yield Finding(Outcome.FAIL, answer.rclpy_failure, _INSTALL)
     elif answer.failure:
-        advice = "look at the variables ROS_*, RMW_*, FASTRTPS_* and FASTDDS_* of the environment"
-        yield Finding(Outcome.FAIL, f"no node can be started: {answer.failure}", advice)
+        found = f"no node can be started: {answer.failure}"
+        yield Finding(Outcome.FAIL, found, _advice(answer.failure))
     else:
         chosen = f"is {named}" if named else "is not set"
         yield Finding(Outcome.OK, "rclpy is there, and a node can be started")
@@ -54,20 +71,38 @@ def _check_node(environment: Mapping[str, str]) -> Iterable[Finding]:
             Outcome.OK,
             f"the middleware is {answer.middleware}; RMW_IMPLEMENTATION {chosen}; there: {there}",
         )
+        if short := spare_shared_memory(dict(environment), answer.middleware, free_bytes()):
+            yield Finding(Outcome.WARN, short, _FREE_MEMORY)
 
 
-def _check_domain(text: str) -> Finding:
+def _advice(failure: str) -> str:
+    """Return what a user may do about a node that does not start."""
+    if str(SHARED_MEMORY) in failure:
+        return _FREE_MEMORY
+    if date_fault(SystemClock().now_ns()):
+        return "set the clock: sudo timedatectl set-ntp true, or sudo date -s 'YYYY-MM-DD HH:MM'"
+    return "look at the variables ROS_*, RMW_*, FASTRTPS_* and FASTDDS_* of the environment"
+
+
+def _check_domain() -> Finding:
+    text = os.environ.get("ROS_DOMAIN_ID", "")
     if not text:
         return Finding(Outcome.OK, f"the domain is 0; ROS_DOMAIN_ID is not set{_range()}")
-    number = int(text) if text.strip().isdecimal() else -1
-    if number not in _DOMAINS:
-        advice = f"unset it, or set it to a number from 0 to {_SAFE_DOMAINS[-1]}"
-        return Finding(Outcome.FAIL, f"ROS_DOMAIN_ID is {text!r}, which is no domain", advice)
-    if number not in _SAFE_DOMAINS:
+    if fault := domain_fault(os.environ):
+        return Finding(Outcome.FAIL, fault, f"unset it, or set it to {_SAFE}")
+    number = read_domain(text)
+    assert number is not None
+    if clashing_ports(number):
         return Finding(
             Outcome.WARN,
             f"the domain is {number}, whose ports another program may happen to have",
-            f"set ROS_DOMAIN_ID to a number from 0 to {_SAFE_DOMAINS[-1]}, on every machine",
+            f"set ROS_DOMAIN_ID to {_SAFE}, on every machine",
+        )
+    if text.strip() != str(number):
+        return Finding(
+            Outcome.WARN,
+            f"ROS_DOMAIN_ID is {text!r}, which ROS reads as {number}, as C would",
+            f"write {number}, if that is what you mean",
         )
     return Finding(Outcome.OK, f"the domain is {number}, as ROS_DOMAIN_ID says{_range()}")
 

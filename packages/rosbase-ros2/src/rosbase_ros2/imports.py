@@ -1,39 +1,66 @@
 """Says in one line what is missing, where rclpy cannot be imported."""
 
 import os
+import signal
 import subprocess
 import sys
 
-from rosbase import NotInstalledError
+from rosbase import ConfigurationError, NotInstalledError
+from rosbase_ros2.machine import SHARED_MEMORY, free_bytes
 
-__all__ = ["NO_SUCH_MIDDLEWARE", "check_rclpy", "explain", "no_such_middleware"]
+__all__ = [
+    "NO_SHARED_MEMORY",
+    "NO_SUCH_MIDDLEWARE",
+    "check_rclpy",
+    "explain",
+    "memory_is_full",
+    "no_such_middleware",
+]
 
 NO_SUCH_MIDDLEWARE = 102
 """The status with which rcl ends the process (rmw_implementation_identifier_check.c)."""
 
+NO_SHARED_MEMORY = -signal.SIGBUS
+"""The status of a process that wrote to shared memory when there was none left."""
+
+# LTTng, which rcl traces with, writes a page there when rclpy is imported.
+_FULL_BYTES = 2**16
+
 
 def check_rclpy() -> None:
-    """Imports rclpy, and with it its middleware.
+    """Import rclpy, and with it its middleware.
 
     Raises:
         NotInstalledError: One of them is missing or was made for another Python; the line says
             what to install.
+        ConfigurationError: Shared memory is full, so that importing rclpy would end the process.
     """
-    _check_middleware()
+    named = os.environ.get("RMW_IMPLEMENTATION")
+    free = free_bytes()
+    if named or free < _FULL_BYTES:
+        _import_elsewhere(named or "", free)
     try:
         import rclpy  # noqa: F401, PLC0415 - only to see whether it can be
     except Exception as error:
         raise NotInstalledError(explain(error)) from error
 
 
-def _check_middleware() -> None:
-    name = os.environ.get("RMW_IMPLEMENTATION")
-    if not name:
-        return
-    # Importing rclpy ends the process, if it has not the middleware that is named.
+def _import_elsewhere(named: str, free: int) -> None:
+    """Import rclpy in a child process, where it may end the process."""
     command = [sys.executable, "-P", "-c", "import rclpy"]
-    if subprocess.run(command, capture_output=True, check=False).returncode == NO_SUCH_MIDDLEWARE:
-        raise NotInstalledError(f"{no_such_middleware(name)}: install it, or unset the variable")
+    status = subprocess.run(command, capture_output=True, check=False).returncode
+    if named and status == NO_SUCH_MIDDLEWARE:
+        raise NotInstalledError(f"{no_such_middleware(named)}: install it, or unset the variable")
+    if status == NO_SHARED_MEMORY:
+        raise ConfigurationError(f"ROS 2 does not start: {memory_is_full(free)}")
+
+
+def memory_is_full(free: int) -> str:
+    """Return what is wrong where so few bytes of shared memory are left."""
+    return (
+        f"{SHARED_MEMORY} is full ({free} bytes left), and rclpy writes there when it is imported;"
+        " free some: fastdds shm clean"
+    )
 
 
 def no_such_middleware(name: str) -> str:

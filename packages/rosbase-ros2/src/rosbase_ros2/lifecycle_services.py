@@ -27,6 +27,8 @@ from rosbase import (
     TransitionNotAvailableError,
 )
 from rosbase.lifecycle import TRANSITIONS, Transition
+from rosbase_ros2.clock import RosClock
+from rosbase_ros2.refusals import RCLError, Refusals
 
 __all__ = ["LifecycleServices"]
 
@@ -61,6 +63,8 @@ class LifecycleServices:
         self._managed = managed
         self._call_soon = call_soon
         self._logger = logger
+        self._clock = RosClock(node)
+        self._refusals = Refusals(self._node.context, logger)
         # Requests that the main loop has not begun; guarded with _closed by the lock.
         self._waiting: set[Any] = set()
         self._closed = False
@@ -176,15 +180,18 @@ class LifecycleServices:
             _settle(answer, success=success)
 
     def _publish(self, event: TransitionEvent) -> None:
-        """Publishes one step. On the thread that takes it."""
-        self._events.publish(
-            msg.TransitionEvent(
-                timestamp=self._node.get_clock().now().nanoseconds,
-                transition=_transition(event.transition),
-                start_state=_state(event.start),
-                goal_state=_state(event.goal),
-            )
+        """Publish one step. On the thread that takes it."""
+        message = msg.TransitionEvent(
+            # Without a sign, so a date before 1970 cannot be sent.
+            timestamp=max(0, self._clock.now_ns()),
+            transition=_transition(event.transition),
+            start_state=_state(event.start),
+            goal_state=_state(event.goal),
         )
+        try:
+            self._events.publish(message)
+        except RCLError as error:
+            self._refusals.judge("~/transition_event", error)
 
     def _log_error(self, who: str, error: Exception) -> None:
         self._logger.error(f"{who} raised {type(error).__name__}: {error}")

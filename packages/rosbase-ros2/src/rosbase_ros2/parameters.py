@@ -1,6 +1,6 @@
 """Parameters of rosbase as parameters of a ROS node: declared, listed, checked when set."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -19,6 +19,7 @@ from rosbase import (
     refused,
 )
 from rosbase_ros2.questions import Questions
+from rosbase_ros2.refusals import RCLError, Refusals
 
 __all__ = ["RosParameters"]
 
@@ -43,16 +44,18 @@ class RosParameters:
     callbacks run on the main loop.
     """
 
-    def __init__(self, node: Any, questions: Questions) -> None:
+    def __init__(self, node: Any, questions: Questions, refusals: Refusals) -> None:
         """Take over the checking of what is set.
 
         Args:
             node: The rclpy node.
             questions: Has the main loop answer.
+            refusals: Judges what DDS does not take.
         """
         self._node = node
         self._rules = ParameterRules()
         self._questions = questions
+        self._refusals = refusals
         self.add_callback = self._rules.add_callback
         """Ask a callback on the main loop before parameters are set."""
         node.add_pre_set_parameters_callback(self._convert)
@@ -67,7 +70,8 @@ class RosParameters:
         if self._node.has_parameter(spec.name):
             raise ParameterError(f"parameter {spec.name} is declared twice")
         try:
-            given = self._node.declare_parameter(spec.name, spec.default, _descriptor(spec))
+            self._change(self._node.declare_parameter, spec.name, spec.default, _descriptor(spec))
+            given = self._node.get_parameter(spec.name)
         except Exception as error:
             raise ParameterError(one_line(str(error))) from error
         try:
@@ -77,7 +81,8 @@ class RosParameters:
             raise
         if given.type_ is not _TYPES[spec.kind]:
             # A whole number for a double, or an empty list, which rclpy takes for one of bytes.
-            self._node.set_parameters([RosParameter(spec.name, _TYPES[spec.kind], value)])
+            parameter = RosParameter(spec.name, _TYPES[spec.kind], value)
+            self._change(self._node.set_parameters, [parameter])
         self._rules.add(spec)
         return Parameter(spec.name, value)
 
@@ -103,7 +108,12 @@ class RosParameters:
             RosParameter(parameter.name, _TYPES[self._kind(parameter.name)], parameter.value)
             for parameter in checked
         ]
-        answer = self._node.set_parameters_atomically(given)
+        try:
+            answer = self._node.set_parameters_atomically(given)
+        except RCLError as error:
+            # They are set all the same; at some dates DDS does not take the event.
+            self._refusals.judge("/parameter_events", error)
+            return SetParametersResult(successful=True)
         return SetParametersResult(answer.successful, answer.reason)
 
     def _kind(self, name: str) -> ParameterKind:
@@ -125,6 +135,14 @@ class RosParameters:
             # Refused with the reason when it is checked.
             return parameter
         return RosParameter(spec.name, _TYPES[spec.kind], value)
+
+    def _change(self, call: Callable[..., Any], *arguments: Any) -> None:
+        """Have rclpy change parameters, which it also publishes as an event."""
+        try:
+            call(*arguments)
+        except RCLError as error:
+            # It changes them first; at some dates DDS does not take the event.
+            self._refusals.judge("/parameter_events", error)
 
     def _check(self, parameters: list[Any]) -> Any:
         ours = [p for p in parameters if self._rules.find(p.name) is not None]

@@ -20,7 +20,8 @@ def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
         return qos_profile
     profile = as_profile(qos_profile, topic)
     return QoSProfile(
-        depth=profile.depth,
+        # Of a history that keeps all it matters to nobody, and may be anything.
+        depth=profile.depth if isinstance(profile.depth, int) else 0,
         history=HistoryPolicy[profile.history.name],
         reliability=ReliabilityPolicy[profile.reliability.name],
         durability=DurabilityPolicy[profile.durability.name],

@@ -12,6 +12,7 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from rosbase import printable
+from rosbase.messages import Time
 
 __all__ = ["RosoutHandler"]
 
@@ -74,6 +75,6 @@ def _to_ros(record: logging.LogRecord, node_name: str) -> Any:
         function=record.funcName or "",
         line=record.lineno,
     )
-    stamp_ns = int(record.created * _NS_PER_S)
-    message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, _NS_PER_S)
+    stamp = Time.as_stamp(int(record.created * _NS_PER_S))
+    message.stamp.sec, message.stamp.nanosec = stamp.sec, stamp.nanosec
     return message

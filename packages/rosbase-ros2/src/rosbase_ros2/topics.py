@@ -10,6 +10,8 @@ from rosbase.messages import Imu, MagneticField
 from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
 from rosbase_ros2.conversion import Converter
 from rosbase_ros2.kinds import name_of
+from rosbase_ros2.qos import queue_depth
+from rosbase_ros2.refusals import RCLError, Refusals
 
 __all__ = ["RosPublisher", "RosSubscription"]
 
@@ -24,19 +26,23 @@ _ENCODERS: dict[type, Callable[[], Callable[[Any], bytes]]] = {
 class RosPublisher:
     """Sends messages of one class to one topic. From any thread."""
 
-    __slots__ = ("_msg_type", "_send", "_to_ros", "inner", "topic")
+    __slots__ = ("_msg_type", "_refusals", "_send", "_to_ros", "inner", "topic")
 
-    def __init__(self, inner: Any, converter: Converter) -> None:
+    def __init__(self, inner: Any, converter: Converter, refusals: Refusals) -> None:
         self.inner = inner
         """The rclpy publisher."""
         self.topic: str = inner.topic_name
         self._msg_type = converter.msg_type
         encoder = _ENCODERS.get(converter.msg_type)
         self._to_ros = encoder() if encoder else converter.to_ros
+        self._refusals = refusals
         self._send: Callable[[Any], object] | None = inner.publish
 
-    def publish(self, message: Any) -> None:
-        """Converts the message and sends it; nothing once the publisher has ended.
+    def publish(self, message: Any) -> bool:
+        """Convert the message and send it; nothing once the publisher has ended.
+
+        Returns:
+            False if the middleware did not take it, at a date that it cannot send.
 
         Raises:
             TypeError: It is not of the topic's class, or a field has a value of the wrong kind.
@@ -54,12 +60,15 @@ class RosPublisher:
                 # Another thread may have ended it meanwhile.
                 if self._send is not None:
                     raise
+            except RCLError as error:
+                return self._refusals.judge(self.topic, error)
+        return True
 
     def imu_sender(self, template: Imu) -> ImuSender:
         """What sends samples that are like the template; nothing once the publisher has ended."""
         pack = sample_packer(template)
 
-        def send_sample(*sample: Any) -> None:
+        def send_sample(*sample: Any) -> bool:
             send = self._send
             if send is not None:
                 try:
@@ -67,6 +76,9 @@ class RosPublisher:
                 except InvalidHandle:
                     if self._send is not None:
                         raise
+                except RCLError as error:
+                    return self._refusals.judge(self.topic, error)
+            return True
 
         return send_sample
 
@@ -93,6 +105,7 @@ class RosSubscription(QueuedSubscription):
         """The rclpy subscription."""
 
     def attach(self, inner: Any) -> None:
-        """Says which rclpy subscription delivers here."""
+        """Say which rclpy subscription delivers here; its profile may have been overridden."""
         self.inner = inner
         self.topic = inner.topic_name
+        self.resize(queue_depth(inner.qos_profile))

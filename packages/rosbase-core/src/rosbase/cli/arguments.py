@@ -1,7 +1,6 @@
 """What users write on the command line and in parameter files, as checked values."""
 
 import argparse
-import difflib
 import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
@@ -11,7 +10,13 @@ from typing import Any, NoReturn
 from attrs import frozen
 
 from rosbase.errors import ConfigurationError, ParameterError
-from rosbase.parameters import ParameterSpec, ParameterValue, check_value, parse_text
+from rosbase.parameters import (
+    ParameterSpec,
+    ParameterValue,
+    check_value,
+    did_you_mean,
+    parse_text,
+)
 from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = [
@@ -123,9 +128,7 @@ def as_text(value: ParameterValue) -> str:
 def _spec(known: Mapping[str, ParameterSpec], name: str) -> ParameterSpec:
     if name in known:
         return known[name]
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise ParameterError(f"unknown parameter {name!r}{hint}")
+    raise ParameterError(f"unknown parameter {name!r}{did_you_mean(name, known)}")
 
 
 def _read_file(file: Path | None) -> dict[str, Any]:
@@ -139,7 +142,9 @@ def _read_file(file: Path | None) -> dict[str, Any]:
         raise ConfigurationError(f"{file}: nested too deeply") from None
     except ValueError as error:
         # TOML's own errors and those of UTF-8 are both of this kind.
-        raise ConfigurationError(f"{file}: {one_line(str(error))}") from error
+        is_of_ros = file.suffix in (".yaml", ".yml")
+        hint = "; a parameter file of ROS is given behind --ros-args" if is_of_ros else ""
+        raise ConfigurationError(f"{file}: {one_line(str(error))}{hint}") from error
 
 
 def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -1,17 +1,23 @@
-"""What the core tells `rosbase doctor` of itself: the interpreter, and the plugins."""
+"""What the core tells `rosbase doctor`: of the interpreter, the date, and the plugins."""
 
 import platform
 import sys
 from collections.abc import Iterable
+from datetime import UTC, datetime
 
 from rosbase.cli.list_plugins import what_of
+from rosbase.clock import Clock, date_fault
 from rosbase.contracts.checks import Finding, Outcome
 from rosbase.errors import NotInstalledError
 from rosbase.imu.settings import judged_plugins
 from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, PluginRegistry
 from rosbase.roles.connection import BACKEND_VARIABLE, backend_name
 
-__all__ = ["check_plugins", "check_python"]
+__all__ = ["check_clock", "check_plugins", "check_python"]
+
+# No release of rosbase is older.
+_EARLIEST_S = 1_704_067_200  # 2024-01-01
+_SET_CLOCK = "set it: sudo timedatectl set-ntp true, or sudo date -s 'YYYY-MM-DD HH:MM'"
 
 
 def check_python() -> Iterable[Finding]:
@@ -29,6 +35,20 @@ def check_python() -> Iterable[Finding]:
             f"rosbase is not tested on {system or 'this system'}",
             "use Linux where something does not work: serial ports and child processes need POSIX",
         )
+
+
+def check_clock(clock: Clock) -> Iterable[Finding]:
+    """Tell the date of this machine; a warning where stamps made of it would be wrong."""
+    now_ns = clock.now_ns()
+    if fault := date_fault(now_ns):
+        yield Finding(Outcome.WARN, f"{fault}: stamps are zero", _SET_CLOCK)
+        return
+    date = f"{datetime.fromtimestamp(now_ns / 1e9, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
+    if now_ns < _EARLIEST_S * 1e9:
+        text = f"the date of this machine is {date}, which is long ago: nobody has set it"
+        yield Finding(Outcome.WARN, text, _SET_CLOCK)
+    else:
+        yield Finding(Outcome.OK, f"the date of this machine is {date}")
 
 
 def check_plugins(registry: PluginRegistry) -> Iterable[Finding]:

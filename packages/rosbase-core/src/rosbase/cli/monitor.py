@@ -67,7 +67,10 @@ class SampleMonitor(BaseNode):
         return sum(subscription.dropped for subscription in self._subscriptions)
 
     def _take(self, message: Imu | MagneticField) -> None:
-        self.latency.record(self._now_ns() - message.header.stamp.nanoseconds)
+        stamp_ns = message.header.stamp.nanoseconds
+        if stamp_ns:
+            # Zero says that the date of the machine was no stamp.
+            self.latency.record(self._now_ns() - stamp_ns)
         self.last = message
         if self._echo is not None:
             self._echo(message_to_json(message))

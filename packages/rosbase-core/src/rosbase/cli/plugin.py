@@ -35,6 +35,12 @@ def _check_python(context: CheckContext) -> Iterable[Finding]:
     return check_python()
 
 
+def _check_clock(context: CheckContext) -> Iterable[Finding]:
+    from rosbase.cli.core_checks import check_clock
+
+    return check_clock(context.clock)
+
+
 def _check_plugins(context: CheckContext) -> Iterable[Finding]:
     from rosbase.cli.core_checks import check_plugins
 
@@ -51,4 +57,5 @@ def rosbase_commands() -> Iterable[CommandPlugin]:
 def rosbase_checks() -> Iterable[CheckPlugin]:
     """What the core can tell of itself."""
     yield CheckPlugin("python", "the interpreter and the platform", _check_python)
+    yield CheckPlugin("clock", "the date of this machine", _check_clock)
     yield CheckPlugin("plugins", "what is installed, and whether it works", _check_plugins)

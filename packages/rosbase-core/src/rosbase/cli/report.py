@@ -49,6 +49,8 @@ def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) ->
         yield f"left_out_{reason} {number}"
     if counts.time_unusable:
         yield f"time_unusable {counts.time_unusable}"
+    if counts.clock_unusable:
+        yield f"clock_unusable {counts.clock_unusable}"
     yield f"dropped {dropped}"
     transport = reader.transport_health
     for reason, number in sorted(transport.link_errors.items()):

@@ -23,13 +23,13 @@ Waiting: `publish` and `call_soon` wait for nobody. Creating, destroying and dec
 the backend's own threads, `close` for what is on its way as well: none for more than some seconds,
 whatever the world does.
 
-Topics: every class of `rosbase.messages` can be sent, and arrives equal to what was sent; what
-else can be is the backend's to say. Every subscription of a topic hears every publisher of it that
-matches, those of the same backend and of others in the same process included. The two may take a
-while to find each other: what is published before is for TRANSIENT_LOCAL alone. What one publisher
-sends arrives in order, and also when it is destroyed, or its backend closed, right after; once it
-has ended, `publish` and the senders made of it send nothing, and that is no error, because another
-thread may have ended it.
+Topics: names are those of ROS (`rosbase.resolve_topic`). Every class of `rosbase.messages` can be
+sent, and arrives equal to what was sent; what else can be is the backend's to say. Every
+subscription of a topic hears every publisher of it that matches, those of the same backend and of
+others in the same process included. The two may take a while to find each other: what is published
+before is for TRANSIENT_LOCAL alone. What one publisher sends arrives in order, and also when it is
+destroyed, or its backend closed, right after; once it has ended, `publish` and the senders made of
+it send nothing, and that is no error, because another thread may have ended it.
 
 Quality of service: a whole number means `QoSProfile(depth)`, as `rosbase.qos.as_profile` has it,
 and a backend may take profiles of its world's own too. Of each policy a backend keeps this:
@@ -77,9 +77,13 @@ class Publisher(Protocol):
         ...
 
     def publish(self, message: Any) -> object:
-        """Hands the message to every subscription. From any thread; does not wait for them.
+        """Hand the message to every subscription. From any thread; does not wait for them.
 
         Nothing is sent once the publisher has ended.
+
+        Returns:
+            False if the world did not take the message, as DDS does not at some dates of the
+            machine; the log says why. That is no exception, because no program can mend it.
 
         Raises:
             TypeError: The message is not of the topic's type, or a field has a value of another.

@@ -10,8 +10,11 @@ __all__ = ["ImuSender", "message_sender"]
 ImuSender: TypeAlias = Callable[[int, Sequence[float], Sequence[float], Sequence[float]], object]
 """`send(stamp_ns, orientation, angular_velocity, linear_acceleration)`: publishes one sample.
 
-The stamp in nanoseconds since the epoch; x, y, z, w of a unit quaternion; x, y, z in rad/s; x, y, z
-in m/s^2. The caller has seen to it that all are floats and finite, so that nobody need check again.
+It returns False if the world did not take the sample, as `Publisher.publish` does.
+
+The stamp is in nanoseconds since the epoch and fits into a ROS stamp (`rosbase.messages.is_stamp`).
+Orientation is x, y, z, w of a unit quaternion, the others are x, y, z in rad/s and m/s^2. All are
+finite floats, because the caller has checked them, so nobody need check again.
 """
 
 
@@ -27,8 +30,8 @@ def message_sender(publish: Callable[[Imu], object], template: Imu) -> ImuSender
         orientation: Sequence[float],
         angular_velocity: Sequence[float],
         linear_acceleration: Sequence[float],
-    ) -> None:
-        publish(
+    ) -> object:
+        return publish(
             Imu(
                 Header(Time.from_nanoseconds(stamp_ns), frame_id),
                 Quaternion(*orientation),

@@ -26,6 +26,8 @@ class CountsSnapshot:
     """Samples that were stamped on arrival, because the device's time was no date."""
     left_out: Mapping[str, int] = field(factory=dict)
     """Quantities that published samples go without because they could not be used, by reason."""
+    clock_unusable: int = 0
+    """Samples with a stamp of zero, because ROS cannot carry the date of this machine."""
 
     @property
     def rejected(self) -> int:
@@ -46,11 +48,12 @@ class CountsSnapshot:
 class Counts:
     """Counts on the reader thread; any thread may take a snapshot."""
 
-    __slots__ = ("by_reason", "left_out", "published", "time_unusable")
+    __slots__ = ("by_reason", "clock_unusable", "left_out", "published", "time_unusable")
 
     def __init__(self) -> None:
         self.published = 0
         self.time_unusable = 0
+        self.clock_unusable = 0
         self.by_reason: dict[str, int] = {}
         self.left_out: dict[str, int] = {}
 
@@ -70,5 +73,9 @@ class Counts:
         for reason, number in frame_errors.items():
             total.add(reason, number)
         return CountsSnapshot(
-            self.published, total.by_reason, self.time_unusable, dict(self.left_out)
+            self.published,
+            total.by_reason,
+            self.time_unusable,
+            dict(self.left_out),
+            self.clock_unusable,
         )

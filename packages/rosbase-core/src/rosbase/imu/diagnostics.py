@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from rosbase.clock import Clock
-from rosbase.contracts.backend import Backend
+from rosbase.contracts.backend import Backend, timer_period_ns
 from rosbase.contracts.transport import TransportHealth
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.health import Health
@@ -59,7 +59,8 @@ class Diagnostics:
         self._published = self._rejected = 0
         self._reported_ns = self._clock.monotonic_ns()
         self._publish = backend.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, _DEPTH).publish
-        backend.create_timer(_PERIOD_S, self._report)
+        # On the clock of the machine: they go on while a simulation stands still.
+        backend.executor.create_timer(timer_period_ns(_PERIOD_S), self._report)
 
     def note(self, event: TransitionEvent) -> None:
         """Takes a step of the lifecycle: a listener of its transitions."""
@@ -118,6 +119,7 @@ class Diagnostics:
         yield "late frames", str(transport.late_frames)
         for reason, number in sorted(transport.link_errors.items()):
             yield f"link: {reason}", str(number)
+        yield "clock unusable", str(counts.clock_unusable)
         yield "reconnects", str(transport.reconnects)
         yield "last error", transport.last_error
 

@@ -1,12 +1,14 @@
-"""Where samples go: the three topics of REP-145, and what is the same in all messages."""
+"""Where samples go: the three topics of REP-145, their stamps, and what became of each sample."""
 
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from rosbase.contracts.imu_sender import ImuSender
+from rosbase.imu.counts import Counts
 from rosbase.imu.mapping import Sample
 from rosbase.messages import (
     COVARIANCE_NOT_REPORTED,
+    STAMPS_END_NS,
     Covariance,
     Header,
     Imu,
@@ -44,6 +46,7 @@ class Outlet:
         prepare: Callable[[LifecyclePublisher, Imu], ImuSender],
         frame_id: str,
         covariances: Mapping[str, Covariance],
+        counts: Counts,
     ) -> None:
         """Prepares nothing yet.
 
@@ -52,25 +55,46 @@ class Outlet:
             prepare: Makes what sends samples that are like a given message.
             frame_id: Of all messages.
             covariances: Of each quantity, where it is reported.
+            counts: Counts what becomes of each sample.
         """
         self._publishers = publishers
         self._prepare = prepare
         self._frame_id = frame_id
         self._covariances = covariances
-        self._senders: dict[_Absent, tuple[LifecyclePublisher, ImuSender]] = {}
+        self._counts = counts
+        self._senders: dict[_Absent, ImuSender] = {}
+        # All three are enabled together.
+        self._gate = publishers.data
 
     def publish(self, sample: Sample, stamp_ns: int) -> bool:
-        """Publishes what the sample has; tells whether the node was active, so that it went out."""
+        """Publish what the sample has, and count it; return whether it went out.
+
+        A stamp that ROS cannot carry is published as zero. An exception counts as `not_sent`.
+        """
+        counts = self._counts
+        if not self._gate.is_enabled:
+            counts.add("not_active")
+            return False
+        if not 0 < stamp_ns < STAMPS_END_NS:
+            stamp_ns = 0
+            counts.clock_unusable += 1
         orientation, angular, linear, field, _, _ = sample
         sent = False
-        if orientation or angular or linear:
-            absent = (orientation is None, angular is None, linear is None)
-            publisher, send = self._senders.get(absent) or self._prepare_sender(absent)
-            if publisher.is_enabled:
-                send(stamp_ns, orientation or _NO_TURN, angular or _NO_VECTOR, linear or _NO_VECTOR)
-                sent = True
-        if field:
-            sent = self._publish_field(field, stamp_ns) or sent
+        try:
+            if orientation or angular or linear:
+                absent = (orientation is None, angular is None, linear is None)
+                send = self._senders.get(absent) or self._prepare_sender(absent)
+                turned, rate = orientation or _NO_TURN, angular or _NO_VECTOR
+                sent = send(stamp_ns, turned, rate, linear or _NO_VECTOR) is not False
+            if field:
+                sent = self._publish_field(field, stamp_ns) or sent
+        except Exception:
+            counts.add("not_sent")
+            raise
+        if sent:
+            counts.published += 1
+        else:
+            counts.add("not_sent")
         return sent
 
     def _publish_field(self, field: tuple[float, ...], stamp_ns: int) -> bool:
@@ -78,7 +102,7 @@ class Outlet:
         covariance = self._covariances["magnetic_field"]
         return self._publishers.mag.publish(MagneticField(header, Vector3(*field), covariance))
 
-    def _prepare_sender(self, absent: _Absent) -> tuple[LifecyclePublisher, ImuSender]:
+    def _prepare_sender(self, absent: _Absent) -> ImuSender:
         names = ("orientation", "angular_velocity", "linear_acceleration")
         turned, rate, force = (
             COVARIANCE_NOT_REPORTED if is_absent else self._covariances[name]
@@ -91,5 +115,5 @@ class Outlet:
             linear_acceleration_covariance=force,
         )
         publisher = self._publishers.data_raw if absent[0] else self._publishers.data
-        self._senders[absent] = publisher, self._prepare(publisher, template)
+        self._senders[absent] = self._prepare(publisher, template)
         return self._senders[absent]

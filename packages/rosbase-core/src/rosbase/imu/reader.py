@@ -5,13 +5,15 @@ from typing import Any
 
 import attrs
 
-from rosbase.contracts.backend import Timer
+from rosbase.clock import date_fault
+from rosbase.contracts.backend import timer_period_ns
 from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
-from rosbase.errors import ConfigurationError, TransportError
+from rosbase.errors import BackendError, ConfigurationError, TransportError
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel
 from rosbase.imu.health_monitor import HealthMonitor
+from rosbase.imu.names import check_names
 from rosbase.imu.outlet import Outlet, Publishers
 from rosbase.imu.pipeline import Pipeline
 from rosbase.imu.plugin_calls import finished, make_transport
@@ -20,6 +22,7 @@ from rosbase.lifecycle import CallbackReturn, State
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import PluginRegistry, installed_plugins
 from rosbase.roles.lifecycle_node import LifecycleNode, LifecyclePublisher
+from rosbase.runtime.executor import ExecutorTimer
 
 __all__ = ["DEFAULT_NODE_NAME", "ImuReader"]
 
@@ -77,7 +80,7 @@ class ImuReader(LifecycleNode):
         self._publishers: list[LifecyclePublisher] = []
         self._pipeline: Pipeline | None = None
         self._monitor: HealthMonitor | None = None
-        self._monitor_timer: Timer | None = None
+        self._monitor_timer: ExecutorTimer | None = None
         self._last_health = _NOT_ACTIVE
         self.add_transition_listener(Diagnostics(self, self._backend).note)
 
@@ -128,12 +131,21 @@ class ImuReader(LifecycleNode):
         except (ConfigurationError, TransportError) as error:
             self.last_error = error
             return CallbackReturn.FAILURE
+        try:
+            publishers = Publishers(self._publisher, settings.topic_namespace)
+        except BackendError as error:
+            # Such as a topic that carries something else already.
+            transport.close()
+            self._release()
+            self.last_error = error
+            return CallbackReturn.FAILURE
         self._replace_transport(transport)
         outlet = Outlet(
-            Publishers(self._publisher, settings.topic_namespace),
+            publishers,
             lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
             settings.frame_id,
             settings.covariances,
+            self._counts,
         )
         self._pipeline = Pipeline(settings, outlet, self._counts, self.logger)
         return CallbackReturn.SUCCESS
@@ -152,7 +164,10 @@ class ImuReader(LifecycleNode):
             self.last_error = error
             return CallbackReturn.FAILURE
         self._monitor = monitor
-        self._monitor_timer = self.create_timer(_HEALTH_PERIOD_S, monitor.look)
+        # On the clock of the machine: a simulation that stands still must not hide a dead device.
+        self._monitor_timer = self._backend.executor.create_timer(
+            timer_period_ns(_HEALTH_PERIOD_S), monitor.look
+        )
         return CallbackReturn.SUCCESS
 
     def on_deactivate(self, previous_state: State) -> CallbackReturn:
@@ -181,7 +196,7 @@ class ImuReader(LifecycleNode):
 
     def _stop_reading(self) -> None:
         if self._monitor_timer is not None:
-            self.destroy_timer(self._monitor_timer)
+            self._monitor_timer.destroy()
         self._last_health = self.last_health
         self._monitor = self._monitor_timer = None
         if self._transport is not None:
@@ -206,7 +221,7 @@ class ImuReader(LifecycleNode):
         return HealthMonitor(
             transport,
             self._counts,
-            lambda: pipeline.finding,
+            lambda: self._finding(pipeline),
             self._settings.stale_timeout_s,
             self.get_clock(),
             self.logger,
@@ -225,7 +240,14 @@ class ImuReader(LifecycleNode):
         return publisher
 
     def _read_settings(self) -> ReaderSettings:
-        return read_settings(self._registry, self._value)
+        settings = read_settings(self._registry, self._value)
+        check_names(settings.topic_namespace, settings.frame_id, self._backend.node_name)
+        return settings
 
     def _value(self, name: str) -> Any:
         return self.get_parameter(name).value
+
+    def _finding(self, pipeline: Pipeline) -> str:
+        """Return what is wrong with samples that go out, in one line; empty if nothing."""
+        fault = date_fault(self.get_clock().now_ns()) if self._counts.clock_unusable else ""
+        return f"stamps are zero: {fault}" if fault else pipeline.finding

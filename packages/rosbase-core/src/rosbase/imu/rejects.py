@@ -22,6 +22,7 @@ REASONS: dict[str, str] = {
     "no_frame": "bytes, and no frame among them; does it send more than blank lines?",
     "no_imu_data": "nothing that the mapping knows; is the preset right?",
     "not_active": "the node is not active",
+    "not_sent": "the backend did not take it; its log says why",
     "other_topic": "of another device under the same wildcard",
     "out_of_order": "dated before one that has been published",
     "overlong": "too long for a sample",

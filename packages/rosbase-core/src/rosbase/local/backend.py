@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
+from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore
 from rosbase.errors import BackendError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
-from rosbase.local.names import resolve_topic
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 

@@ -42,11 +42,13 @@ class LifecyclePublisher:
         return self._publisher
 
     def publish(self, message: Any) -> bool:
-        """Hands the message on if the node is active; tells whether it was."""
-        if not self.is_enabled:
-            return False
-        self._send(message)
-        return True
+        """Hand the message on if the node is active; return whether it was, and the message went.
+
+        Raises:
+            TypeError: As `rosbase.Publisher.publish`.
+            ValueError: As `rosbase.Publisher.publish`.
+        """
+        return self.is_enabled and self._send(message) is not False
 
 
 class LifecycleNode(BaseNode):

@@ -46,8 +46,8 @@ class ManualClock:
         self._looks = 0
 
     def now(self) -> Time:
-        """The date, for stamps."""
-        return Time.from_nanoseconds(self.now_ns())
+        """Return the date as a stamp; zero if ROS cannot carry it."""
+        return Time.as_stamp(self.now_ns())
 
     def now_ns(self) -> int:
         """The date in nanoseconds since the Unix epoch."""

@@ -17,7 +17,10 @@ from rosbase.testing.promise import Promise
 
 __all__ = ["TopicChecks"]
 
-_NO_NAMES: tuple[Any, ...] = ("", "/", "a//b", "1a", "a b", "a/", "a.b", "ä", 5)
+_NO_NAMES: tuple[Any, ...] = (
+    *("", "/", "a//b", "1a", "a/1", "a b", " ", "a/", "a.b", "a-b", "ä", 5),
+    *("~a", "a/~", "{a}", "{node"),
+)
 _KINDS = [kind for _, kind in inspect.getmembers(messages, inspect.isclass) if has(kind)]
 _TEMPLATE = Imu(
     Header(frame_id="imu_link"),

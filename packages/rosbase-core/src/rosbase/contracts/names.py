@@ -1,0 +1,80 @@
+"""Topic names, checked and resolved as ROS 2 does, for every backend.
+
+Sources: design.ros2.org/articles/topic_and_service_names; rcl (`validate_topic_name.c`,
+`expand_topic_name.c`); rmw (`validate_full_topic_name.c`).
+"""
+
+import re
+
+from rosbase.errors import BackendError
+
+__all__ = ["MAX_TOPIC_LENGTH", "resolve_topic"]
+
+MAX_TOPIC_LENGTH = 247
+"""Characters of a full topic name: what DDS allows, less the prefix that ROS adds (rmw)."""
+
+_SUBSTITUTION = re.compile(r"\{(\w*)\}", re.ASCII)
+_FOREIGN = re.compile(r"[^A-Za-z0-9_/~{}]")
+_SHOWN = 60
+
+
+def resolve_topic(topic: str, node_name: str) -> str:
+    """Return the full name: `imu/data` is `/imu/data`, `~/status` is `/<node_name>/status`.
+
+    Args:
+        topic: A relative, absolute (`/`) or private (`~/`) name. `{node}` and `{ns}` stand for
+            the node and its namespace.
+        node_name: The name of the node, its namespace in front if there is one.
+
+    Raises:
+        BackendError: It is not a topic name; the line says why.
+    """
+    if not isinstance(topic, str):
+        raise BackendError(f"{topic!r} is not a topic name: it is not text")
+    space, _, node = f"/{node_name}".rpartition("/")
+    if fault := _given_fault(topic):
+        raise _not_a_name(topic, fault)
+    # As rcl has it: the root namespace is `/`.
+    values = {"node": node, "ns": space or "/", "namespace": space or "/"}
+    name = _SUBSTITUTION.sub(lambda found: values.get(found[1], found[0]), topic)
+    if name.startswith("~"):
+        name = f"{space}/{node}{name[1:]}"
+    elif not name.startswith("/"):
+        name = f"{space}/{name}"
+    if fault := _full_fault(name):
+        raise _not_a_name(topic, fault)
+    return name
+
+
+def _given_fault(topic: str) -> str:
+    """Return why the name cannot be one, whatever the node is called; empty if it can."""
+    if not topic:
+        return "it is empty"
+    if foreign := _FOREIGN.search(topic):
+        return f"it has {foreign[0]!r}, and only letters, digits, _ and / are allowed"
+    if topic.rfind("~") > 0 or (topic.startswith("~") and topic[1:2] not in ("", "/")):
+        return "~ is allowed at the start only, with a / after it"
+    return ""
+
+
+def _full_fault(name: str) -> str:
+    """Return why a full name cannot be one; empty if it can."""
+    if "{" in name or "}" in name:
+        return "{...} is one of {node}, {ns} and {namespace}"
+    if _FOREIGN.search(name):
+        return f"for this node it is {name!r}"
+    if len(name) > MAX_TOPIC_LENGTH:
+        return f"its full name has {len(name)} characters, and {MAX_TOPIC_LENGTH} are allowed"
+    for part in name[1:].split("/"):
+        if not part:
+            return "a / must be followed by a name"
+        if part[0].isdecimal():
+            return f"{part!r} begins with a digit"
+    return ""
+
+
+def _not_a_name(topic: str, fault: str) -> BackendError:
+    shown = repr(topic)
+    if len(shown) > _SHOWN:
+        shown = f"{shown[: _SHOWN - 3]}..."
+    return BackendError(f"{shown} is not a topic name: {fault}")

@@ -1,0 +1,49 @@
+"""Messages that the middleware does not take, for a reason that no program can mend."""
+
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+from rosbase import RosbaseLogger, SystemClock, date_fault
+
+__all__ = ["RCLError", "Refusals"]
+
+RCLError = rclpy_implementation.RCLError
+"""What rclpy raises where rcl or the middleware refuse."""
+
+_LOG_S = 10.0
+
+
+class Refusals:
+    """Tells them from faults of the program, and logs them at a limited rate."""
+
+    def __init__(self, context: Any, logger: RosbaseLogger) -> None:
+        """Takes the rclpy context of the publishers, and who logs."""
+        self._context = context
+        self._logger = logger
+        # The machine's, which DDS looks at, and not that of a simulation.
+        self._clock = SystemClock()
+
+    def explain(self, error: Exception) -> str:
+        """Return the fault of the date for which the middleware may have refused; empty if none."""
+        return date_fault(self._clock.now_ns()) if isinstance(error, RCLError) else ""
+
+    def judge(self, topic: str, error: Exception) -> bool:
+        """Return False, for a message that is lost although the program did nothing wrong.
+
+        Args:
+            topic: The name of the topic.
+            error: What rclpy raised when the message was to be published.
+
+        Raises:
+            RCLError: There is another reason; it is raised again.
+        """
+        if not self._context.ok():
+            # The program has ended the context, and with it all that sends.
+            return False
+        fault = self.explain(error)
+        if not fault:
+            raise error
+        if self._logger.due("refused by the middleware", _LOG_S):
+            self._logger.warning(f"ROS does not send messages, on {topic} or elsewhere: {fault}")
+        return False

@@ -1,0 +1,91 @@
+"""Starts an rclpy node, or says in one line why ROS does not."""
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
+
+from rosbase import BackendError, BackendOptions, SystemClock, date_fault, one_line
+from rosbase_ros2.machine import (
+    date_refusal,
+    domain_fault,
+    free_bytes,
+    memory_fault,
+    spare_shared_memory,
+)
+
+__all__ = ["prepare_machine", "ros_arguments", "start_node"]
+
+
+def prepare_machine() -> str:
+    """Look at what ROS needs of this machine; return a warning in one line, or nothing.
+
+    Raises:
+        BackendError: ROS cannot start, and might not say so itself.
+    """
+    middleware: str = get_rmw_implementation_identifier()
+    free = free_bytes()
+    fault = (
+        domain_fault(os.environ)
+        or date_refusal(SystemClock().now_ns(), middleware)
+        or memory_fault(os.environ, middleware, free)
+    )
+    if fault:
+        raise _does_not_start(fault)
+    return spare_shared_memory(os.environ, middleware, free)
+
+
+def start_node(context: Any, options: BackendOptions, arguments: list[str]) -> Any:
+    """Return a new rclpy node, in a context that is started with it.
+
+    Args:
+        context: The rclpy context.
+        options: What the backend is opened with.
+        arguments: Those for ROS on the command line.
+
+    Raises:
+        BackendError: ROS refuses the arguments or the name.
+    """
+    try:
+        rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
+        overrides = [
+            rclpy.Parameter(name, value=value)
+            for name, value in options.parameter_overrides.items()
+        ]
+        name = options.node_name
+        # What the command line calls the manager would else be the name of its children too.
+        own = ["--ros-args", "-r", f"__node:={name}"] if options.is_child else None
+        return rclpy.create_node(name, context=context, cli_args=own, parameter_overrides=overrides)
+    except Exception as error:
+        context.try_shutdown()
+        reason = one_line(str(error))
+        if isinstance(error, rclpy_implementation.UnknownROSArgsError):
+            # rclpy has nothing to say but the list of them.
+            reason = f"not known behind --ros-args: {reason}"
+        elif fault := date_fault(SystemClock().now_ns()):
+            reason = f"{fault} ({reason})"
+        raise _does_not_start(reason) from error
+
+
+def ros_arguments(command_line: Iterable[str]) -> list[str]:
+    """Return what stands behind `--ros-args`, up to `--` or the end, with these two.
+
+    Nothing else is for ROS: rcl takes a `name:=value` of the program itself for a remapping in
+    the style of ROS 1, heeds it, and warns of it.
+    """
+    found: list[str] = []
+    within = False
+    for argument in command_line:
+        within = within or argument == "--ros-args"
+        if within:
+            found.append(argument)
+        within = within and argument != "--"
+    return found
+
+
+def _does_not_start(reason: str) -> BackendError:
+    return BackendError(f"ROS 2 does not start: {reason}")
