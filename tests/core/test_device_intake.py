@@ -118,7 +118,7 @@ def test_a_stream_that_never_pauses_is_read_on_for_a_moment_only() -> None:
     rig.clock.advance(0.3)
     begun_ns = rig.clock.monotonic_ns()
 
-    def read_more(timeout_ms: int) -> bytes:
+    def read_more(timeout_ms: float) -> bytes:
         rig.clock.advance(0.0005)
         return b"x\n"
 
