@@ -200,7 +200,9 @@ def test_a_child_forges_no_line_and_touches_no_terminal(tmp_path: Path, logs: st
     said = {re.sub(who, "", line) for line in lines}
     assert {
         "child: red",
-        rf"child: \x1b[2K\r{FORGED}",
+        r"child: \x1b[2K",
+        # A carriage return ends a line, and what follows has the name in front as well.
+        f"child: {FORGED}",
         r"child: \x1b]0;mine\x07\x1bc",
         r"child: \u202ebackwards",
         rf"failing: one\x1b[2J\n{FORGED}",
