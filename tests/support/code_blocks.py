@@ -6,6 +6,7 @@ A comment directly above a block is one of these:
 - `on ROS 2`: it needs rclpy, so the tests in `tests/ros2` run it.
 - `device` or `device: {"ax": 0}`: a simulated device stands in for `/dev/ttyUSB0`, and sends
   samples of the preset `ros`, or that line again and again.
+- `logs errors`: the program logs errors, and ends well.
 - `prints`: a block of text that is exactly what the Python program above it prints.
 - `payload` and `gives`: a payload, and the samples that the parameters between the two make of it.
 

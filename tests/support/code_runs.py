@@ -43,7 +43,8 @@ def run_python(block: Block, folder: Path) -> None:
         timeout=50,
         check=False,
     )
-    complaints = [line for line in done.stderr.splitlines() if not line.startswith("[INFO] ")]
+    expected = ("[INFO] ", "[ERROR] ") if "logs errors" in block.says else ("[INFO] ",)
+    complaints = [line for line in done.stderr.splitlines() if not line.startswith(expected)]
     assert (done.returncode, complaints) == (0, []), done.stdout
     # What is only imported by another file of the page says nothing.
     assert done.stdout or block.file
