@@ -43,6 +43,7 @@ NOW_NS = 1_800_000_000 * S
 Y1969_NS = -18_489_600 * S
 # Less what libfaketime may be off.
 Y2030_S = 1_893_456_000 - 10
+Y2035_S = 2_051_222_400 - 10
 Y2040_NS = 2_208_988_800 * S
 Y2110_NS = 4_417_977_600 * S
 FASTDDS = "rmw_fastrtps_cpp"
@@ -82,6 +83,7 @@ def end(reader: RunningRosbase) -> int:
 
 
 @needs_faketime
+@pytest.mark.timeout(150)
 def test_a_subscriber_in_another_process_gets_the_samples_with_a_stamp_of_zero(
     tmp_path: Path, device: PtyDevice
 ) -> None:
@@ -140,22 +142,24 @@ def test_a_date_at_which_dds_sends_nothing_is_one_line_before_it_starts(
 
 
 @needs_faketime
+@pytest.mark.timeout(150)
 def test_a_clock_that_is_set_wrong_and_right_again_costs_what_was_sent_meanwhile(
     tmp_path: Path, device: PtyDevice, context: Any
 ) -> None:
-    date = FakeDate(tmp_path, "1970-01-01 00:00:05")
+    # Not from 1970 on: with a date in the past, libfaketime upsets the shared memory of Fast DDS.
+    date = FakeDate(tmp_path, "2030-01-01 00:00:00")
     client = Client(context, "lifecycle_manager")
     try:
         with listening() as listener, imu_at(date, device) as reader:
-            wait_until(lambda: 0 < min(seconds(listener), default=0) < 1000, "a stamp of 1970")
+            wait_until(lambda: seconds(listener), "a stamp of 2030", 40.0)
             date.set("2040-01-01 00:00:00")
             reader.waits_for("health WARN: stamps are zero: the date of this machine is 2040-01-01")
             reader.waits_for("ROS does not send messages, on /imu/data or elsewhere: the date")
             # Whoever asks for its state has an answer all the same.
             assert client.state() == "active"
-            date.set("2030-01-01 00:00:00")
-            reader.waits_for("health OK")
-            wait_until(lambda: seconds(listener)[-1] >= Y2030_S, "a stamp of 2030")
+            date.set("2035-01-01 00:00:00")
+            wait_until(lambda: seconds(listener)[-1] >= Y2035_S, "a stamp of 2035")
+            wait_until(lambda: reader.err.count("health OK") == 2, "health to be OK again")
             assert end(reader) == 0
     finally:
         client.destroy()
@@ -163,11 +167,11 @@ def test_a_clock_that_is_set_wrong_and_right_again_costs_what_was_sent_meanwhile
     assert summary["not_sent"] == summary["rejected"] > 0
     assert summary["received"] == summary["published"] + summary["rejected"] + summary["ignored"]
     # Nothing in between: neither a wrong stamp nor one that is made up.
-    wrong = [stamp for stamp in seconds(listener) if 1000 <= stamp < Y2030_S]
-    assert wrong == []
+    assert all(Y2030_S <= stamp < Y2030_S + 1000 or stamp >= Y2035_S for stamp in seconds(listener))
 
 
 @needs_faketime
+@pytest.mark.timeout(150)
 def test_it_is_stopped_and_driven_at_a_date_at_which_dds_sends_nothing(
     tmp_path: Path, device: PtyDevice, context: Any
 ) -> None:
@@ -177,7 +181,7 @@ def test_it_is_stopped_and_driven_at_a_date_at_which_dds_sends_nothing(
         with imu_at(date, device) as reader:
             reader.waits_for("opened")
             client.await_services()
-            wait_until(lambda: client.state() == "active", "the reader to be active")
+            wait_until(lambda: client.state() == "active", "the reader to be active", 40.0)
             date.set("2040-01-01 00:00:00")
             reader.waits_for("health WARN: stamps are zero: the date of this machine is 2040-01-01")
             assert client.change(label="deactivate")
