@@ -149,6 +149,8 @@ me = pwd.getpwuid(os.getuid()).pw_name
 values = {{"comm_t": "serial", **{{spec.name: spec.default for spec in PARAMETERS}}}}
 values["device_path"] = named = {named!r}
 check.port_names = lambda: [{port!r}]
+# Other tests run programs of these names at the same time.
+check.running_takers = lambda: ()
 found = list(check.check_ports(CheckContext(SystemClock(), values, frozenset({given!r}))))
 print(me, *(f"{{f.outcome.value}}|{{f.text}}|{{f.advice}}" for f in found), sep="\\n")
 """

@@ -25,10 +25,10 @@ class TransportCapabilities:
     """The parameters with which `open` waits for a device that is absent. Needs `can_unplug`."""
     bad_frames: tuple[bytes, ...] = ()
     """What `send_raw` sends, and the transport counts as an error and does not hand over."""
-    frames_lost_after_junk: int = 1
-    """How many frames at most are lost or spoiled after junk; for a stream."""
     reopens_with: Mapping[str, ParameterValue] = field(factory=dict)
     """The parameters with which a device that is silent for a part of a second is opened anew."""
+    frames_lost_after_junk: int = 1
+    """How many frames at most are lost or spoiled after junk; for a stream."""
 
 
 ABILITIES = {
