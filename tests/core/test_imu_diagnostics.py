@@ -5,9 +5,12 @@ from typing import Any
 
 import pytest
 
+from rosbase.cli.report import summary_lines
+from rosbase.contracts.transport import TransportHealth
 from rosbase.errors import DeviceNotFoundError
 from rosbase.lifecycle import CallbackReturn
 from rosbase.messages import DiagnosticArray, DiagnosticStatus
+from rosbase.testing import ScriptedTransport
 from support.reader_rig import Rig
 from support.samples import GOOD_FRAME, ORIENTATION_FAULTS
 
@@ -124,3 +127,20 @@ def test_the_figures_are_those_of_the_counts(rigs: Callable[..., Diagnosed]) -> 
     assert values["no_imu_data"] == "3"
     assert values["last data (s ago)"] == "1.0"
     assert rig.values()["rate (Hz)"] == "0.0"
+
+
+def test_the_figures_of_stamps_are_those_of_the_transport(
+    rigs: Callable[..., Diagnosed], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = rigs().activate()
+    said = TransportHealth(
+        interval_ns=10_000_000, jitter_ns=1_234_567, clock_steps=2, late_frames=900
+    )
+    monkeypatch.setattr(ScriptedTransport, "health", said)
+    values = rig.values()
+    assert values["usual interval (ms)"] == "10.000"
+    assert values["arrival jitter (ms)"] == "1.235"
+    assert (values["clock steps"], values["late frames"]) == ("2", "900")
+    lines = list(summary_lines(rig.reader, 0, None))
+    assert "late_frames 900" in lines
+    assert "clock_steps 2" in lines

@@ -169,6 +169,16 @@ def test_what_a_transport_ignores_is_no_warning(
     assert record.levelname == "INFO"
 
 
+def test_what_the_transport_has_said_of_a_stall_is_not_said_again(
+    rigs: Callable[..., Watched], caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = rigs()
+    rig.transport.frame_errors = {"late": 320}
+    rig.pass_time(0.3)
+    assert [m for m in caplog.messages if "late" in m] == []
+    assert rig.reader.counts.by_reason == {"late": 320}
+
+
 def test_what_was_dropped_before_the_activation_is_not_said_again(
     rigs: Callable[..., Watched], caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -426,3 +426,11 @@ def test_the_topics_can_be_moved_together(rigs: Callable[..., Rig]) -> None:
     rig.backend.create_subscription(Imu, "/left/imu/data", got.append, 1)
     rig.activate().send(GOOD_FRAME)
     assert len(got) == 1
+
+
+@pytest.mark.parametrize("source", ["device", "arrival"])
+def test_a_transport_is_told_whether_frames_carry_dates(
+    rigs: Callable[..., Rig], source: str
+) -> None:
+    rig = rigs(time_source=source).activate()
+    assert rig.transport.context.frames_are_dated == (source == "device")

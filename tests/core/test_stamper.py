@@ -155,6 +155,18 @@ def test_a_device_that_is_silent_is_looked_at_and_what_comes_then_is_new(rig: Ri
     rig.steady()
     for _ in range(20):
         rig.clock.advance(0.5)
-        rig.stamper.look()
+        rig.stamper.look(rig.clock.monotonic_ns())
     assert rig.read(0.4, 3) == [20, 10, 0]
     assert rig.tally.late_frames == 0
+
+
+def test_whoever_comes_back_late_from_a_look_does_not_know_what_has_arrived_since(
+    rig: Rig,
+) -> None:
+    rig.steady()
+    until_ns = rig.clock.monotonic_ns() + 500 * MS
+    # Somebody else had the interpreter.
+    rig.clock.advance(3.0)
+    rig.stamper.look(until_ns)
+    assert rig.read(0.001, 3) == [None] * 3
+    assert rig.tally.late_frames == 3

@@ -48,7 +48,7 @@ class Rig:
         self.clock.advance(after_s)
         before = len(self.subscriber.frames)
         # Nothing has waited: the reader was there all the time.
-        self.stamper.look()
+        self.stamper.look(self.clock.monotonic_ns())
         read_ns = self.stamper.read()
         self.subscription.take(
             payload,

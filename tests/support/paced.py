@@ -37,7 +37,7 @@ class Uart:
 class Paced:
     """Sends samples, several at a time, on a thread of its own until it is ended.
 
-    A sample's number is its angular velocity about x.
+    A sample's number is its angular velocity about x, in thousandths.
     """
 
     def __init__(self, send: Callable[[bytes], object], hz: float, together: int = 1) -> None:
@@ -57,7 +57,7 @@ class Paced:
         while not self._ends.wait(max(0.0, due_s - time.monotonic())):
             first = len(self.sent_ns)
             lines = [
-                frame(angular_velocity={"x": float(number), "y": 0.0, "z": 0.0}) + b"\n"
+                frame(angular_velocity={"x": number / 1000, "y": 0.0, "z": 0.0}) + b"\n"
                 for number in range(first, first + self._together)
             ]
             self.sent_ns += [time.time_ns()] * self._together
@@ -80,4 +80,4 @@ def echoed(lines: list[str]) -> list[Echoed]:
 def _echoed(sample: Any) -> Echoed:
     stamp = sample["header"]["stamp"]
     stamp_ns = stamp["sec"] * 1_000_000_000 + stamp["nanosec"]
-    return Echoed(round(sample["angular_velocity"]["x"]), stamp_ns)
+    return Echoed(round(sample["angular_velocity"]["x"] * 1000), stamp_ns)

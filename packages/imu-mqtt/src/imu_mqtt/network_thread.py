@@ -14,7 +14,7 @@ from rosbase import Backoff, Stamper, Tally, TransportContext, TransportError, W
 
 __all__ = ["NetworkThread"]
 
-_TURN_S = 0.5
+_TURN_S, _TURN_NS = 0.5, 500_000_000
 # After a stall, how long to wait for what comes behind the messages that have waited.
 _SETTLE_S = 0.001
 # So many are read at once at most, for meanwhile, and while they are handed over, nobody answers
@@ -166,10 +166,13 @@ class NetworkThread:
 
     def _turn(self, connection: Connection) -> bool:
         """Hands over what has arrived, together; tells whether the connection still stands."""
-        subscription = self._made
+        subscription, stamper = self._made, self._stamper
+        until_ns = self._context.clock.monotonic_ns() + _TURN_NS
         try:
             stands = connection.turn(_TURN_S)
-            if subscription is not None and subscription.kept and self._stamper.wants_more:
+            if subscription is None or not subscription.kept:
+                stamper.look(until_ns)
+            elif stamper.wants_more:
                 stands = stands and self._read_on(connection, subscription)
         finally:
             # Also if the connection was lost behind them.

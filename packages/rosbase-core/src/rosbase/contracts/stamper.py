@@ -45,13 +45,17 @@ class Stamper:
         self._timeline.shift(self._slept_ns())
         self._timeline.begin(self._clock.monotonic_ns())
 
-    def look(self) -> None:
-        """Note that there is nothing to read at this moment.
+    def look(self, until_ns: int) -> None:
+        """Note that there was nothing to read.
 
         A reader that waits for data wakes up for this twice a second. So it is known of all that
         it reads that it has not waited for longer, unless the reader stood still.
+
+        Args:
+            until_ns: When the wait was to end, on the monotonic clock. Whoever comes back later
+                does not know what has arrived since.
         """
-        self._timeline.look(self._clock.monotonic_ns())
+        self._timeline.look(min(self._clock.monotonic_ns(), until_ns))
 
     def more(self) -> int:
         """Note that more has been read of what waited at the last `read`; return the moment."""
