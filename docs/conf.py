@@ -44,6 +44,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"hypothesis\..*"),
     # What only rosbase itself makes.
     (r"py:class", r"rosbase\.(local|plugins\.discovery|plugins\.switches|processes\.launch)\..*"),
+    (r"py:class", r"rosbase\.roles\.construction\..*"),
     # Types that stand for any.
     (r"py:.*", r"[\w.]+[a-z]T"),
 ]

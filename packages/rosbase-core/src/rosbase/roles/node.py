@@ -137,8 +137,8 @@ class BaseNode(Constructed, Component):
         """Set all of them, or none.
 
         Returns:
-            Whether they were set, and why not: one is undeclared, read-only or no value of its
-            declared type, or a callback refuses it.
+            Whether they were set, and the reason if not, such as a parameter that is undeclared,
+            read-only or no value of its declared type, or a callback that refuses it.
         """
         return self._backend.set_parameters(parameters)
 
