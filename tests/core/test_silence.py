@@ -238,7 +238,15 @@ class ForgetsAndLogs(BaseHandlers):
         self.logger.info("here")
 
 
-@pytest.mark.parametrize("forgetful", [Forgets, ForgetsAndUses, ForgetsAndLogs])
+def test_a_constructor_that_never_calls_the_one_of_its_base_is_named(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    BaseManager(nodes_dict={"eye": Forgets}, backend=virtual_backend()).destroy_node()
+    (said,) = caplog.messages
+    assert said.startswith("Forgets.__init__ does not call super().__init__(manager")
+
+
+@pytest.mark.parametrize("forgetful", [ForgetsAndUses, ForgetsAndLogs])
 def test_a_missing_call_of_the_base_constructor_is_one_clear_line(forgetful: Any) -> None:
     where = {"handlers_class": forgetful}
     if issubclass(forgetful, BaseNode):

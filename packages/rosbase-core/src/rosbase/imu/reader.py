@@ -127,7 +127,7 @@ class ImuReader(LifecycleNode):
             # Only now: what it says of the device must not be what nobody has looked at.
             self._settings = settings
             with finished(settings.transport):
-                transport.open()
+                _open(transport)
         except (ConfigurationError, TransportError) as error:
             self.last_error = error
             return CallbackReturn.FAILURE
@@ -251,3 +251,12 @@ class ImuReader(LifecycleNode):
         """Return what is wrong with samples that go out, in one line; empty if nothing."""
         fault = date_fault(self.get_clock().now_ns()) if self._counts.clock_unusable else ""
         return f"stamps are zero: {fault}" if fault else pipeline.finding
+
+
+def _open(transport: Transport) -> None:
+    """Take the device; give it back if a signal interrupts that."""
+    try:
+        transport.open()
+    except KeyboardInterrupt:
+        transport.close()
+        raise

@@ -9,7 +9,7 @@ from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.manager.bringup import bring_up, take_down
-from rosbase.manager.building import build, find_untaken
+from rosbase.manager.building import build, find_untaken, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
@@ -90,8 +90,7 @@ class BaseManager(Constructed):
             kwargs: Forwarded to every component as they are.
 
         Raises:
-            TypeError: An instance stands for a class; or a constructor does not call the one of its
-                base class; or `handle` is async or a generator.
+            TypeError: An instance stands for a class, or `handle` is async or a generator.
             ValueError: The rate is not a positive number of hertz, or the time-out not one of
                 seconds.
             NotInstalledError: No backend of that name can be used.
@@ -169,7 +168,10 @@ class BaseManager(Constructed):
 
         def build_one(component: Any, where: str, key: str) -> Any:
             self.key_being_built = key
-            return build(component, where, self, args, kwargs)
+            built = build(component, where, self, args, kwargs)
+            if lack := lacks_its_base(built):
+                self.logger.warning(lack)
+            return built
 
         for name, node_class in (nodes_dict or {}).items():
             self.nodes[name] = build_one(node_class, f"nodes_dict[{name!r}]", name)

@@ -20,8 +20,10 @@ def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> 
         if stopping():
             return False
         if not node.bring_up(stopping):
-            if not stopping():
-                _name_the_rest(nodes, index)
+            if stopping():
+                # What has come up is taken down in the clean-up, which no signal interrupts.
+                return False
+            _name_the_rest(nodes, index)
             _take_down(nodes[: index + 1], finalize=False)
             return False
     return True

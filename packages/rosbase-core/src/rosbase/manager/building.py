@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from rosbase.roles.context import Component
 
-__all__ = ["build", "find_untaken"]
+__all__ = ["build", "find_untaken", "lacks_its_base"]
 
 ComponentT = TypeVar("ComponentT")
 
@@ -30,8 +30,7 @@ def build(
         kwargs: Forwarded as they are.
 
     Raises:
-        TypeError: It is an instance instead of a class; or its constructor does not call
-            `super().__init__`.
+        TypeError: It is an instance instead of a class.
     """
     if isinstance(component, Component):
         name = type(component).__name__
@@ -40,11 +39,21 @@ def build(
         raise TypeError(f"{where} is {component!r}; give a class")
     # By name, because components may take it from their keyword arguments; but Python
     # has no place for positional ones after a named first.
-    built = component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)
-    if isinstance(built, Component) and not built._is_initialised:
-        name = type(built).__name__
-        raise TypeError(f"{name}.__init__ does not call super().__init__(manager, *args, **kwargs)")
-    return built
+    return component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)
+
+
+def lacks_its_base(built: object) -> str:
+    """Say that a component's constructor has not called that of its base class; or nothing.
+
+    It may do without, if it uses nothing of rosbase.
+    """
+    if not isinstance(built, Component) or built._is_initialised:
+        return ""
+    name = type(built).__name__
+    return (
+        f"{name}.__init__ does not call super().__init__(manager, *args, **kwargs): "
+        "it has no manager, no logger and no topics"
+    )
 
 
 def find_untaken(
