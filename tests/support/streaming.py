@@ -15,7 +15,7 @@ __all__ = ["streaming"]
 
 @contextmanager
 def streaming(device: SimulatedDevice, *, period_s: float = 0.02, sec: int = 7) -> Iterator[None]:
-    """Sends samples, and closes the device at the end.
+    """Sends samples of a device that moves, and closes it at the end.
 
     Args:
         device: Sends them.
@@ -29,7 +29,7 @@ def streaming(device: SimulatedDevice, *, period_s: float = 0.02, sec: int = 7) 
             if stop.wait(period_s):
                 return
             try:
-                device.send(payload_at(0.0, Time(sec, number)))
+                device.send(payload_at(number * period_s, Time(sec, number)))
             except TransportError:
                 return
 

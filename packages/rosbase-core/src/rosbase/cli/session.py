@@ -104,13 +104,15 @@ class ReaderManager(BaseManager):
         # For the live line, where listening costs little; where nothing is shown, for nobody.
         if echoes or listens or (opened.delivers_in_process and not is_quiet):
             nodes["monitor"] = SampleMonitor
+        if echoes:
+            # Only then: the monitor alone takes it, and a manager warns of what nobody takes.
+            kwargs["echo"] = self._print_sample
         super().__init__(
             node_name=DEFAULT_NODE_NAME,
             nodes_dict=nodes,
             handlers_class=handlers_class,
             node_freq_hz=_TICKS_HZ,
             backend=opened,
-            echo=self._print_sample if echoes else None,
             **kwargs,
         )
 

@@ -79,7 +79,7 @@ class HealthWatch:
         if transport.last_error or transport.state is TransportState.RECONNECTING:
             return device_fault(transport)
         if (now_ns - self._sample_ns) / _NS_PER_S > self._stale_s:
-            return self._judge_no_samples(now_ns, counts, transport, finding)
+            return self._judge_no_samples(now_ns, counts, transport)
         if finding:
             return Health(HealthLevel.WARN, finding)
         message = "samples arrive" if self._has_sample else "waiting for the first sample"
@@ -106,7 +106,7 @@ class HealthWatch:
             self._count_from(counts, "")
 
     def _judge_no_samples(
-        self, now_ns: int, counts: CountsSnapshot, transport: TransportHealth, finding: str
+        self, now_ns: int, counts: CountsSnapshot, transport: TransportHealth
     ) -> Health:
         silence_s = (now_ns - self._data_ns) / _NS_PER_S
         has_sent = self._data_ns > self._sample_ns
@@ -115,9 +115,6 @@ class HealthWatch:
             self._note_no_frames(counts, transport)
         reason = self._commonest_reason(counts)
         is_silent = silence_s > self._patience_s(has_sent=has_sent)
-        if reason == "not_sent" and finding and not is_silent:
-            # The samples are good, and this is why nobody takes them.
-            return Health(HealthLevel.WARN, finding)
         if reason and not is_silent:
             damaged = self._damaged - (self._damaged_since or 0)
             return _unusable(reason, self._explain(reason), transport.pending_bytes, damaged)

@@ -225,7 +225,7 @@ class ImuReader(LifecycleNode):
             self._settings.stale_timeout_s,
             self.get_clock(),
             self.logger,
-            pipeline.explain,
+            lambda reason: self._explain(reason, pipeline),
         )
 
     def _replace_transport(self, transport: Transport) -> None:
@@ -249,8 +249,16 @@ class ImuReader(LifecycleNode):
 
     def _finding(self, pipeline: Pipeline) -> str:
         """Return what is wrong with samples that go out, in one line; empty if nothing."""
-        fault = date_fault(self.get_clock().now_ns()) if self._counts.clock_unusable else ""
+        fault = self._date_fault()
         return f"stamps are zero: {fault}" if fault else pipeline.finding
+
+    def _explain(self, reason: str, pipeline: Pipeline) -> str:
+        """Say what is known of a reason for which samples do not go out."""
+        return (reason == "not_sent" and self._date_fault()) or pipeline.explain(reason)
+
+    def _date_fault(self) -> str:
+        """Return why the date is no stamp, if a sample has had it; empty otherwise."""
+        return date_fault(self.get_clock().now_ns()) if self._counts.clock_unusable else ""
 
 
 def _open(transport: Transport) -> None:

@@ -97,8 +97,7 @@ class DeviceDates:
     def _leaps(self, date_ns: int, ahead_ns: int) -> bool:
         """Tell whether a date is far from all that is known."""
         if self._last is None:
-            # A machine whose own date is absurd knows nothing.
-            return abs(ahead_ns) > _DAY_NS and date_ns - ahead_ns >= _EARLIEST_NS
+            return abs(ahead_ns) > _DAY_NS and _is_known(date_ns - ahead_ns)
         # Dates that follow each other are of one run, even if the clock here is set.
         is_later = date_ns - self._last_ns > _NEAR_NS
         is_ahead = ahead_ns - self._ahead_ns > _NEAR_NS
@@ -150,7 +149,7 @@ class DeviceDates:
         return None
 
     def _compare_with_arrival(self, date_ns: int, ahead_ns: int, arrived_ns: int) -> Verdict:
-        if self._clock is None:
+        if self._clock is None or not _is_known(arrived_ns):
             return date_ns
         self._clock.add(ahead_ns, arrived_ns)
         if self._limit_ns is None or abs(ahead_ns) <= self._limit_ns:
@@ -181,6 +180,11 @@ class _Agreement:
         """Begin again."""
         if self._doubted:
             self._doubted.clear()
+
+
+def _is_known(arrived_ns: int) -> bool:
+    """Tell whether the arrival has a date: a machine whose own date is absurd knows nothing."""
+    return _EARLIEST_NS <= arrived_ns < _LATEST_NS
 
 
 def _implausible(date_ns: int) -> Reject:
