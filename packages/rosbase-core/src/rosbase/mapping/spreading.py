@@ -3,6 +3,8 @@
 from collections import deque
 from statistics import median_low
 
+from rosbase.stamps import spread
+
 __all__ = ["Spreading"]
 
 _MESSAGES = 15
@@ -29,15 +31,14 @@ class Spreading:
             stamp_ns: The stamp of the message and of its last sample.
             interval_ns: The time between two samples, if the mapping gives it.
         """
-        gap_ns = 0 if self._last_ns is None else stamp_ns - self._last_ns
-        self._last_ns = stamp_ns
-        # The samples must not reach back to the message before, unless the clock was set back.
-        room_ns = gap_ns // count if gap_ns > 0 else None
-        known = [ns for ns in (interval_ns or self._usual_ns(), room_ns) if ns is not None]
-        step_ns = max(1, min(known, default=1))
-        if room_ns is not None:
-            self._steps_ns.append(room_ns)
-        return [stamp_ns - step_ns * (count - 1 - at) for at in range(count)]
+        last_ns, self._last_ns = self._last_ns, stamp_ns
+        widest_ns = interval_ns or self._usual_ns()
+        if last_ns is None or last_ns >= stamp_ns:
+            # There is no message before, or the clock was set back.
+            last_ns = stamp_ns - count * (widest_ns or 1)
+        else:
+            self._steps_ns.append((stamp_ns - last_ns) // count)
+        return list(spread(count, last_ns, stamp_ns, widest_ns))
 
     def _usual_ns(self) -> int | None:
         """Return the usual time between samples; None before the second message."""
