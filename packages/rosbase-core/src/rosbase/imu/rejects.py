@@ -18,7 +18,7 @@ REASONS: dict[str, str] = {
     "implausible_date": "a date far from all others",
     "implausible_orientation": "gravity at rest is not where the orientation has it",
     "no_checksum": "a line without the checksum that it should have",
-    "late": "waited while nothing was read, and nobody knows when it came",
+    "late": "waited while nothing was read; its arrival time is unknown",
     "no_frame": "bytes, and no frame among them; does it send more than blank lines?",
     "no_imu_data": "nothing that the mapping knows; is the preset right?",
     "not_active": "the node is not active",
