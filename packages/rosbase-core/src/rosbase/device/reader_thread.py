@@ -22,7 +22,7 @@ _HURRIED_NS = 500_000
 _SMALL_BYTES = 512
 _GATHER_S = 0.001
 # How often whoever waits for data looks and sees that there is none.
-_LOOK_MS, _LOOK_NS = 500, 500_000_000
+_LOOK_MS, _NS_PER_MS = 500.0, 1_000_000
 
 
 class ReaderThread:
@@ -155,7 +155,7 @@ class ReaderThread:
                     return
                 data = read_within(look_ms)
                 if not data:
-                    stamper.look(asked_ns + _LOOK_NS)
+                    stamper.look(asked_ns + int(look_ms * _NS_PER_MS))
                     continue
                 # Only data proves that a device works: some open and fail again and again.
                 self._backoff.reset()
