@@ -37,7 +37,7 @@ def test_a_signal_ends_code_that_blocks_and_the_whole_clean_up_runs(
     assert (status, err.count("Traceback")) == (0, 0), err
     assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
     # Half a second of patience; code that cannot be interrupted takes its time.
-    assert took_s < (20.0 if place.startswith("native") else 3.0)
+    assert took_s < (20.0 if place.startswith("native") else 5.0)
 
 
 def test_a_signal_ends_an_input_on_a_terminal(tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_a_signal_ends_an_input_on_a_terminal(tmp_path: Path) -> None:
         os.close(terminal)
     assert (status, err.count("Traceback")) == (0, 0), err
     assert out.replace("name? ", "").splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 @pytest.mark.parametrize("signum", SIGNALS)
@@ -65,7 +65,7 @@ def test_a_signal_in_a_constructor_undoes_it_and_ends_quietly(
     assert (status, err) == (0, "")
     # The camera whose own constructor blocked was never built.
     assert out.splitlines() == (["camera released"] if place == "own constructor" else [])
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 @pytest.mark.parametrize("signum", [*SIGNALS, signal.SIGHUP])
@@ -77,7 +77,7 @@ def test_a_signal_between_ticks_stops_at_once_and_cleans_up_quietly(
         took_s, status, out, err = program.stop(signum)
     assert (status, err) == (0, "")
     assert out.splitlines() == ["arm shut down", "released", "returned"]
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 def test_a_second_signal_within_a_second_is_the_same_wish(tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_the_second_wish_ends_only_the_step_of_the_clean_up_that_blocks(tmp_path
     assert out.splitlines() == ["returned"]
     assert "release_resources was interrupted by a signal" in err
     assert "Traceback" not in err
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 def test_the_second_wish_raises_at_once(tmp_path: Path) -> None:
@@ -115,7 +115,7 @@ def test_the_second_wish_raises_at_once(tmp_path: Path) -> None:
         took_s, status, out, _ = program.stop(signal.SIGINT)
     assert status == 0
     assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 def test_the_third_wish_ends_the_process(tmp_path: Path) -> None:
@@ -175,7 +175,7 @@ def test_a_thread_that_never_ends_is_named_and_the_manager_returns(tmp_path: Pat
         took_s, status, out, err = program.stop(signal.SIGINT)
     assert (status, out.splitlines()[-1]) == (0, "returned")
     assert "thread 'logger of the arm' still runs" in err
-    assert took_s < 2.0
+    assert took_s < 4.0
 
 
 @pytest.mark.parametrize("number", range(RUNS))

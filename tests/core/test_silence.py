@@ -327,7 +327,7 @@ def test_a_test_that_hangs_in_virtual_time_fails_with_a_reason(name: str, tmp_pa
     assert process.returncode == 1
     assert re.search(REASONS[name], out), out
     # Python and pytest need a moment to start, on a busy machine a longer one.
-    assert took_s < 30
+    assert took_s < 50
 
 
 def test_ctrl_c_ends_pytest_and_passes_no_test_that_hangs(tmp_path: Path) -> None:
