@@ -33,6 +33,9 @@ def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int) -> None:
     def names(some: Iterable[LifecycleNode]) -> str:
         return ", ".join(node._label for node in some)
 
+    if len(nodes) == 1:
+        # Its own failure has been logged.
+        return
     text = f"{nodes[failed]._label} was not brought up"
     if failed:
         text += f"; taken down again: {names(reversed(nodes[:failed]))}"
