@@ -29,9 +29,11 @@ class Rig:
         self.waiting: deque[bytes | TransportError] = deque()
         self.waits_ms: list[float] = []
         self.bytes_per_s = bytes_per_s
+        self.work_s = 0.0
         self.intake.begin(self)  # type: ignore[arg-type]  # as much of a device as is looked at
 
     def keep(self, frame: bytes, stamp_ns: int) -> None:
+        self.clock.advance(self.work_s)
         self.frames.append((frame, stamp_ns))
 
     def read_more(self, timeout_ms: float) -> bytes:
@@ -126,6 +128,30 @@ def test_a_stream_that_never_pauses_is_read_on_for_a_moment_only() -> None:
     assert rig.frames[-1][1] > rig.clock.now_ns() - MS
     assert rig.clock.monotonic_ns() - begun_ns < 200 * MS
     assert rig.tally.late_frames == 0
+
+
+def test_a_flood_that_keeps_the_reader_busy_is_not_read_on_again_and_again() -> None:
+    rig = Rig(LineFramer())
+    rig.steady()
+    rig.clock.advance(0.3)
+    calls = 0
+
+    def read_more(timeout_ms: int) -> bytes:
+        nonlocal calls
+        calls += 1
+        rig.clock.advance(0.0005)
+        return b"x\n" * 20
+
+    # Handing over takes its time, and as long as it goes on, more arrives.
+    rig.work_s = 0.000025
+    rig.intake.take(b"x\n" * 20, read_more)
+    first, calls = calls, 0
+    assert first > 100
+    for _ in range(100):
+        rig.intake.take(b"x\n" * 20, read_more)
+    assert calls == 0
+    stamps = [stamp_ns for _, stamp_ns in rig.frames]
+    assert stamps == sorted(set(stamps))
 
 
 def test_frames_behind_which_the_device_is_lost_are_handed_over() -> None:

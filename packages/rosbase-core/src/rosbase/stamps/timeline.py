@@ -35,6 +35,7 @@ class Timeline:
         "_behind_ns",
         "_count",
         "_date_ns",
+        "_drained_ns",
         "_first_ns",
         "_frames",
         "_is_behind",
@@ -63,8 +64,8 @@ class Timeline:
         self._offset_ns = _NEVER_NS
         # The last look before the reads that are being stamped; the first and the last of these.
         self._looked_ns = self._first_ns = self._at_ns = 0
-        # The date of the last one.
-        self._date_ns = 0
+        # The date of the last one, and the last one that `more` was told of.
+        self._date_ns, self._drained_ns = 0, _NEVER_NS
         # The last stamp, and when it was last asked for with `many`.
         self._last_ns = self._stuck_ns = self._stamped_ns = _NEVER_NS
         # Frames that the rhythm has not been told of, and how many it is told of at once.
@@ -98,7 +99,8 @@ class Timeline:
 
     def more(self, date_ns: int, at_ns: int) -> int:
         """Note that the last read goes on: what is read now has waited together with the rest."""
-        self._date_ns, self._at_ns = date_ns, at_ns
+        self._date_ns = date_ns
+        self._at_ns = self._drained_ns = at_ns
         return at_ns
 
     def sleep(self, asleep_ns: int) -> None:
@@ -122,10 +124,13 @@ class Timeline:
     def wants_more(self) -> bool:
         """Whether that is so long that more may be waiting, to be read first.
 
-        Of a stream that never pauses more is wanted for a moment only.
+        Of a stream that never pauses more is wanted for a moment only. What a reader finds that
+        was busy with that is no reason for the same again.
         """
         waited_ns = self._first_ns - self._looked_ns
         if waited_ns <= self._prompt_ns:
+            return False
+        if self._looked_ns == self._drained_ns and waited_ns <= LATE_NS:
             return False
         return self._at_ns - self._first_ns <= _DRAIN_NS + (waited_ns >> _DRAIN_SHIFT)
 
