@@ -137,8 +137,13 @@ class Tally:
         for reason, number in errors.items():
             self.link_errors[reason] = self.link_errors.get(reason, 0) + number
 
-    def health(self, state: TransportState) -> TransportHealth:
-        """All of it, at this moment."""
+    def health(self, state: TransportState, pending_bytes: int = 0) -> TransportHealth:
+        """Return all of it, at this moment.
+
+        Args:
+            state: What the transport is doing.
+            pending_bytes: Bytes that arrived since the last end of a frame.
+        """
         return TransportHealth(
             state,
             self.frames,
@@ -148,11 +153,12 @@ class Tally:
             self.reconnects,
             self.last_data_ns,
             self.last_error,
-            interval_ns=self.rhythm.interval_ns,
-            jitter_ns=self.rhythm.jitter_ns,
-            clock_steps=self.clock_steps,
-            late_frames=self.late_frames,
-            link_errors=dict(self.link_errors),
+            pending_bytes,
+            self.rhythm.interval_ns,
+            self.rhythm.jitter_ns,
+            self.clock_steps,
+            self.late_frames,
+            dict(self.link_errors),
         )
 
 

@@ -2,8 +2,6 @@
 
 import threading
 
-from attrs import evolve
-
 from rosbase.contracts.stamper import Stamper
 from rosbase.contracts.transport import (
     OnFrame,
@@ -162,7 +160,7 @@ class DeviceTransport(Transport):
         """How it is doing."""
         # A framer need not know how many bytes wait for the end of a frame.
         pending = getattr(self._framer, "pending_bytes", 0)
-        return evolve(self._tally.health(self._state()), pending_bytes=pending)
+        return self._tally.health(self._state(), pending)
 
     def _state(self) -> TransportState:
         if self.is_open:
