@@ -162,10 +162,15 @@ class Guardian:
 
 def _start(argv: list[str], *, holds_signals: bool) -> int:
     guardian = os.getpid()
+    # Closed by the exec: whoever is told the pid finds the command there, in its own session.
+    started, starting = os.pipe()
     # Between the fork and the command one of these would find our handlers, and be lost.
     signal.pthread_sigmask(signal.SIG_BLOCK, _stops())
     pid = os.fork()
     if pid:
+        os.close(starting)
+        os.read(started, 1)
+        os.close(started)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _stops())
         return pid
     try:
