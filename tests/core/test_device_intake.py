@@ -136,7 +136,7 @@ def test_a_flood_that_keeps_the_reader_busy_is_not_read_on_again_and_again() -> 
     rig.clock.advance(0.3)
     calls = 0
 
-    def read_more(timeout_ms: int) -> bytes:
+    def read_more(timeout_ms: float) -> bytes:
         nonlocal calls
         calls += 1
         rig.clock.advance(0.0005)
