@@ -358,6 +358,15 @@ def test_without_stated_sentinels_a_number_is_a_number(device: Callable[..., Dev
             {"gravity_direction": "reject", "mapping.orientation.paths": []},
             "gravity_direction has no effect: mapping.orientation.paths is empty",
         ),
+        (
+            {
+                "plausibility": "reject",
+                "mapping.linear_acceleration.paths": [],
+                "mapping.linear_acceleration.unit": "",
+                "mapping.required": ["angular_velocity"],
+            },
+            "plausibility has no effect: mapping.linear_acceleration.paths is empty",
+        ),
     ],
 )
 def test_a_parameter_that_changes_nothing_is_named_once(

@@ -572,3 +572,69 @@ def test_f_what_has_no_effect_in_a_mapping_is_refused(rigs: Rigs) -> None:
     ):
         with pytest.raises(MappingError, match=f"{name} has no effect"):
             rigs(**at("acc"), **{name: value})
+
+
+@pytest.mark.parametrize("comes_late", [False, True])
+def test_f_a_quantity_that_is_asked_for_and_never_there_is_named_once(
+    rigs: Rigs, caplog: pytest.LogCaptureFixture, *, comes_late: bool
+) -> None:
+    rig = rigs(
+        preset="custom",
+        **{
+            "mapping.linear_acceleration.paths": ["acc"],
+            "mapping.linear_acceleration.unit": "m/s^2",
+            "mapping.angular_velocity.paths": ["gyr"],
+            "mapping.angular_velocity.unit": "rad/s",
+        },
+    )
+    for number in range(200):
+        key = "gyr" if comes_late and number > 20 else "gyro"
+        rig.send({"acc": [0.1, number / 100, 9.8], key: [0, 0, 0.1]}, (number + 1) * 10**7)
+    said = [text for text in caplog.messages if "is asked for, and no sample has had it" in text]
+    assert said == (
+        []
+        if comes_late
+        else [
+            "angular_velocity is asked for, and no sample has had it: "
+            "angular_velocity: the payload has no 'gyr'; did you mean 'gyro'?"
+        ]
+    )
+
+
+def test_f_a_quantity_of_a_preset_that_is_never_there_is_no_fault(
+    rigs: Rigs, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = rigs(preset="ros")
+    sample = {
+        "linear_acceleration": {"x": 0, "y": 0, "z": 9.8},
+        "angular_velocity": {"x": 0, "y": 0, "z": 0.1},
+    }
+    for number in range(60):
+        sample["linear_acceleration"]["x"] = number / 100
+        rig.send(sample, (number + 1) * 10**7)
+    assert rig.reader.check_health().message == "samples arrive"
+    assert not [text for text in caplog.messages if "asked for" in text]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b'{"acc":[0,0,9.8],"gyr":[0,0,0.5],"acc":[0,0,3.1]}',
+        b'{"acc":[0,0,9.8],"gyr":[0,0,0.5],"meta":{"acc":1,"acc":2}}',
+        b'{"acc":[0,0,NaN],"acc":[0,0,9.8]}',
+        b'[{"acc":[0,0,9.8],"acc":[0,0,9.8]}]',
+    ],
+)
+def test_h_a_key_twice_is_the_reason_that_is_said(
+    rigs: Rigs, caplog: pytest.LogCaptureFixture, line: bytes
+) -> None:
+    rig = rigs(
+        preset="custom",
+        **{
+            "mapping.linear_acceleration.paths": ["acc"],
+            "mapping.linear_acceleration.unit": "m/s^2",
+        },
+    )
+    rig.send(line)
+    (said,) = [text for text in caplog.messages if text.startswith("dropped")]
+    assert "bad_json (the key 'acc' stands twice)" in said

@@ -73,8 +73,8 @@ def test_a_stall_with_frames_missing_is_counted_and_said_once(
     assert rig.tally.late_frames == 340
     assert rig.tally.frame_errors == {"late": 340}
     assert caplog.messages == [
-        "nothing was read for 10.0 s: 320 frames that had waited are dropped, because others "
-        "are missing and their arrival times are unknown"
+        "nothing was read for 10.0 s: 320 frames that had waited are dropped, because fewer "
+        "have come than usual, so their arrival times are unknown"
     ]
 
 

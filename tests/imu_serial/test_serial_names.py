@@ -1,6 +1,7 @@
 """Names that are no port here are said to be what they are, with the ports that there are."""
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -114,3 +115,18 @@ def test_a_name_that_no_file_can_have_or_that_breaks_a_line_is_shown_escaped(
     name: str, shown: str
 ) -> None:
     assert str(refusal(name)).startswith(f"{shown} ")
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("~/imu", "has a ~ or a $, which only a shell replaces"),
+        ("$HOME/imu", "has a ~ or a $, which only a shell replaces"),
+        ("/dev/ttyUSB*", "is a pattern, not the name of a port"),
+        ("/dev/ttyACM[0-9]", "is a pattern, not the name of a port"),
+        ("/dev/ptmx", "makes pseudo-terminals; it is not a serial port"),
+    ],
+)
+def test_a_name_that_no_port_can_have_is_refused_with_the_reason(name: str, why: str) -> None:
+    with pytest.raises(NotADeviceError, match=re.escape(why)):
+        Port(SerialConfig(name, 115_200))

@@ -314,6 +314,16 @@ def test_a_bad_topic_namespace_is_one_line_and_status_2_before_the_device_is_ope
     assert done.stderr.startswith("rosbase: parameter topic_namespace: ")
 
 
+@pytest.mark.parametrize(
+    "given", ["mqtt_topic:=lab/imu", "server_address:=tcp://broker", "tls_ca_file:=/ca.pem"]
+)
+def test_a_parameter_of_another_transport_is_named(port: PluggablePort, given: str) -> None:
+    port.plug()
+    done = run_rosbase("imu", "-p", f"device_path:={port.path}", "-p", given, "--duration", "0.3")
+    name = given.partition(":=")[0]
+    assert done.stderr.count(f"{name} has no effect: comm_t is serial") == 1
+
+
 def test_a_frame_that_is_not_text_is_one_line_and_status_2(port: PluggablePort) -> None:
     port.plug()
     # As a terminal of another encoding gives it.

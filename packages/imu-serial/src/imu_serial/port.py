@@ -15,7 +15,7 @@ from imu_serial.line import (
     set_lines,
     set_up,
 )
-from imu_serial.refusals import explain, in_use, is_name, shown
+from imu_serial.refusals import explain, in_use, is_multiplexer, is_name, shown
 from imu_serial.rivals import Rivals
 from imu_serial.uart import bytes_per_s
 from rosbase import DeviceReport, NotADeviceError, TransportError
@@ -50,6 +50,8 @@ class Port:
         """What it is called when it is opened."""
         if not is_name(path):
             raise NotADeviceError(f"{shown(path)} is not the name of a serial port")
+        if is_multiplexer(path):
+            raise NotADeviceError(f"{shown(path)} makes pseudo-terminals; it is not a serial port")
         if os.path.isdir(path):
             raise NotADeviceError(f"{shown(path)} is a directory, not a serial port")
         try:

@@ -18,11 +18,13 @@ from rosbase import (
     printable,
 )
 
-__all__ = ["explain", "group_name", "in_use", "is_name", "port_names", "shown"]
+__all__ = ["explain", "group_name", "in_use", "is_multiplexer", "is_name", "port_names", "shown"]
 
 _OF_WINDOWS = re.compile(r"(\\\\[.?]\\)?COM\d+:?", re.IGNORECASE)
 _OF_MACOS = re.compile(r"/dev/(cu|tty)\..+")
 _HOST_AND_PORT = re.compile(r"[\w.-]+:\d+", re.ASCII)
+_PATTERN = re.compile(r"[*?\[]")
+_MULTIPLEXERS = frozenset({"/dev/ptmx", "/dev/pts/ptmx"})
 _WITH_RATE = re.compile(r"(.+)[:,@](\d{3,8})", re.ASCII)
 
 
@@ -37,6 +39,11 @@ def is_name(path: str) -> bool:
         return bool(path) and b"\0" not in os.fsencode(path)
     except UnicodeEncodeError:
         return False
+
+
+def is_multiplexer(path: str) -> bool:
+    """Return whether each opening of a file makes a new pseudo-terminal, which nobody sends to."""
+    return os.path.realpath(path) in _MULTIPLEXERS
 
 
 def explain(path: str, baudrate: int, error: Exception) -> TransportError:
@@ -95,6 +102,10 @@ def _absent(name: str, path: str) -> TransportError:
         return NotADeviceError(f"{name} is a name that ports have on Windows; {_ports_here()}")
     if _OF_MACOS.fullmatch(path):
         return NotADeviceError(f"{name} is a name that ports have on macOS; {_ports_here()}")
+    if path.startswith("~") or "$" in path:
+        return NotADeviceError(f"{name} has a ~ or a $, which only a shell replaces; write it out")
+    if _PATTERN.search(path):
+        return NotADeviceError(f"{name} is a pattern, not the name of a port; {_ports_here()}")
     if "/" not in path:
         if _HOST_AND_PORT.fullmatch(path):
             return NotADeviceError(f"{name} is not a port; over a network it is socket://{path}")

@@ -96,8 +96,8 @@ class Stamper:
             what = f"{late} frames had waited for over a second"
             if dropped:
                 what = (
-                    f"{dropped} frames that had waited are dropped, because others are missing "
-                    "and their arrival times are unknown"
+                    f"{dropped} frames that had waited are dropped, because fewer "
+                    "have come than usual, so their arrival times are unknown"
                 )
             self._logger.warning(f"nothing was read for {waited_ns / _NS_PER_S:.1f} s: {what}")
 

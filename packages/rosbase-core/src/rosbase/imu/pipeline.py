@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from rosbase.imu.checks.checksum import NO_CHECKSUM, compile_checksum, verified
 from rosbase.imu.checks.device_clock import DeviceClock
 from rosbase.imu.checks.device_dates import DeviceDates
+from rosbase.imu.checks.never_there import NeverThere
 from rosbase.imu.checks.suite import Checks, CheckSettings
 from rosbase.imu.checks.undated import Undated
 from rosbase.imu.counts import Counts
@@ -48,6 +49,7 @@ class Pipeline:
         self._undated = Undated()
         self._spreading = Spreading()
         self._explanations = Explanations(settings.transport.hints, mapped_by(settings.mapping))
+        self._never_there = NeverThere(settings.asked_for)
         for note in settings.without_effect:
             logger.warning(note)
 
@@ -92,6 +94,8 @@ class Pipeline:
             return False
         if sample.left_out:
             self._note(sample.left_out, frame)
+        if self._never_there.is_waiting:
+            self._name_missing(sample, frame)
         self._outlet.publish(sample, stamp_ns)
         return True
 
@@ -122,6 +126,11 @@ class Pipeline:
             if self._logger.due(f"left out {reject.reason}", REJECT_LOG_S):
                 why = self._explanations.explain(reject, frame).text
                 self._logger.warning(f"used only part of {_told(frame, reject, why, number)}")
+
+    def _name_missing(self, sample: Sample, frame: bytes) -> None:
+        for quantity in self._never_there.add(sample):
+            why = self._explanations.explain(Reject("missing_group", quantity), frame).text
+            self._logger.warning(f"{quantity} is asked for, and no sample has had it: {why}")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)

@@ -169,6 +169,8 @@ class ReaderSettings:
     checks: CheckSettings
     covariances: Mapping[str, Covariance]
     """By quantity; for those that a sample has."""
+    asked_for: tuple[str, ...] = ()
+    """Quantities whose paths the user has given, and without which a sample still goes out."""
     without_effect: tuple[str, ...] = ()
     """What the user set and what does nothing, in a line each."""
 
@@ -256,7 +258,30 @@ def read_settings(
         },
     )
     settings.mapping.compile(device_time=settings.uses_device_time)
-    return evolve(settings, without_effect=tuple(_without_effect(settings, get)))
+    return evolve(
+        settings,
+        asked_for=tuple(
+            group
+            for group in GROUPS
+            if _is_given(f"{_MAPPING}{group}.paths", get) and group not in settings.mapping.required
+        ),
+        without_effect=(*_without_effect(settings, get), *_of_others(settings, registry, get)),
+    )
+
+
+def _of_others(
+    settings: ReaderSettings, registry: PluginRegistry, get: Callable[[str], Any]
+) -> Iterable[str]:
+    """What the user set for a transport that is not the chosen one."""
+    others = {
+        spec.name: spec
+        for name, transport in registry.transports.items()
+        if name not in _clashes(registry)
+        for spec in transport.parameters
+    }
+    for name, spec in others.items():
+        if name not in settings.transport_values and get(name) != spec.default:
+            yield f"{name} has no effect: comm_t is {settings.transport.name}"
 
 
 def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iterable[str]:
@@ -273,9 +298,11 @@ def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iter
         yield f"{tolerance.name} has no effect: mapping.orientation.paths is empty"
     if not settings.uses_device_time and _is_given("mapping.time.paths", get):
         yield "mapping.time.paths has no effect: time_source is arrival"
-    is_turned = bool(settings.mapping.orientation_paths)
     yield from checks_without_effect(
-        get, uses_device_time=settings.uses_device_time, has_orientation=is_turned
+        get,
+        uses_device_time=settings.uses_device_time,
+        has_orientation=bool(settings.mapping.orientation_paths),
+        has_acceleration=bool(settings.mapping.linear_acceleration_paths),
     )
 
 

@@ -15,7 +15,10 @@ except ImportError:
 else:
     _decode_quickly = Decoder().decode
 
-__all__ = ["decode_payload"]
+__all__ = ["REPEATED", "decode_payload"]
+
+REPEATED = "the key"
+"""How the detail of a refusal begins when an object has a key twice."""
 
 _decode = json.JSONDecoder().decode
 
@@ -52,7 +55,7 @@ def _checked(frame: bytes, payload: object) -> object:
         key = repeated_key(frame, payload)
     except RecursionError:
         return Reject("too_deep")
-    return payload if key is None else Reject("bad_json", f"the key {key[:40]!r} stands twice")
+    return payload if key is None else Reject("bad_json", f"{REPEATED} {key[:40]!r} stands twice")
 
 
 def _decode_carefully(frame: bytes) -> object:

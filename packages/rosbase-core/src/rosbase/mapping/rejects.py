@@ -14,7 +14,7 @@ PAYLOAD_REASONS: dict[str, str] = {
     "not_data": "text that is not JSON",
     "not_selected": "another kind of message on the same stream",
     "not_utf8": "bytes that are not text",
-    "out_of_range": "a number too large to be one",
+    "out_of_range": "a number beyond the full scale; is the unit right?",
     "surplus": "a list holds more of the same than is read; use [*], or a condition",
     "time_unusable": "the device's time is no date; the sample is stamped on arrival",
     "too_deep": "nested too deeply",

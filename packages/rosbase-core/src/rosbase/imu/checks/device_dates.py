@@ -4,6 +4,7 @@ from collections import deque
 from datetime import datetime, timedelta
 from typing import TypeAlias
 
+from rosbase.imu.checks.date_pace import DatePace
 from rosbase.imu.checks.device_clock import DeviceClock
 from rosbase.imu.mapping import Sample
 from rosbase.mapping.rejects import Reject
@@ -63,11 +64,13 @@ class DeviceDates:
         self._believed_at_ns = 0
         self._late_since_ns = 0
         self._doubted = _Agreement()
+        self._pace = DatePace()
 
     @property
     def finding(self) -> str:
         """What is wrong with the device's clock, in one line; empty if nothing."""
-        return self._clock.finding if self._clock else ""
+        of_clock = self._clock.finding if self._clock else ""
+        return "; ".join(filter(None, (of_clock, self._pace.finding)))
 
     def judge(self, sample: Sample, arrived_ns: int) -> Verdict:
         """Decide under which date a sample is published.
@@ -92,7 +95,8 @@ class DeviceDates:
         self._last, self._last_ns, self._believed_at_ns = sample, date_ns, arrived_ns
         self._late_since_ns = 0
         self._doubted.forget()
-        return self._compare_with_arrival(date_ns, ahead_ns, arrived_ns)
+        refusal = self._compare_with_arrival(date_ns, ahead_ns, arrived_ns)
+        return self._pace.stamp(date_ns, arrived_ns) if refusal is None else refusal
 
     def _leaps(self, date_ns: int, ahead_ns: int) -> bool:
         """Tell whether a date is far from all that is known."""
@@ -148,12 +152,12 @@ class DeviceDates:
             return Reject("implausible_date", "no date, and the device's clock is wrong")
         return None
 
-    def _compare_with_arrival(self, date_ns: int, ahead_ns: int, arrived_ns: int) -> Verdict:
+    def _compare_with_arrival(self, date_ns: int, ahead_ns: int, arrived_ns: int) -> Reject | None:
         if self._clock is None or not _is_known(arrived_ns):
-            return date_ns
+            return None
         self._clock.add(ahead_ns, arrived_ns)
         if self._limit_ns is None or abs(ahead_ns) <= self._limit_ns:
-            return date_ns
+            return None
         # It may be late, or the clock wrong; the clock's judgement tells after two seconds.
         return _unusable(date_ns) if self._clock.finding else _implausible(date_ns)
 

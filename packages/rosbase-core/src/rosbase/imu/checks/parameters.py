@@ -69,7 +69,11 @@ def read_check_settings(get: Callable[[str], Any]) -> CheckSettings:
 
 
 def checks_without_effect(
-    get: Callable[[str], Any], *, uses_device_time: bool, has_orientation: bool
+    get: Callable[[str], Any],
+    *,
+    uses_device_time: bool,
+    has_orientation: bool,
+    has_acceleration: bool,
 ) -> Iterable[str]:
     """Give what the user set although nothing comes of it, in a line each."""
     no_dates = "" if uses_device_time else "time_source is arrival"
@@ -79,6 +83,7 @@ def checks_without_effect(
         "device_clock_limit": no_dates or is_clock_off,
         "frozen_after": "frozen is off" if get("frozen") == "off" else "",
         "checksum_separator": "checksum is none" if get("checksum") == NO_CHECKSUM else "",
+        "plausibility": "" if has_acceleration else "mapping.linear_acceleration.paths is empty",
         "gravity_direction": "" if has_orientation else "mapping.orientation.paths is empty",
     }
     for name, reason in reasons.items():

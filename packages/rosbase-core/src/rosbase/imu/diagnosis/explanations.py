@@ -6,7 +6,7 @@ from rosbase.imu.diagnosis.cause import Cause
 from rosbase.imu.diagnosis.frame import diagnose_frame
 from rosbase.imu.diagnosis.payload import Mapped, diagnose_payload
 from rosbase.imu.rejects import IGNORED, meaning_of
-from rosbase.mapping.decoding import decode_payload
+from rosbase.mapping.decoding import REPEATED, decode_payload
 from rosbase.mapping.rejects import Reject
 
 __all__ = ["Explanations"]
@@ -47,6 +47,9 @@ class Explanations:
         return "; ".join(filter(None, (meaning_of(reason), self._hints.get(reason))))
 
     def _look(self, reject: Reject, frame: bytes) -> Cause | None:
+        if reject.reason == "bad_json" and reject.detail.startswith(REPEATED):
+            # Valid as far as syntax goes, so there is nothing else to find in it.
+            return Cause(reject.detail)
         if reject.reason in _OF_FRAMES:
             return diagnose_frame(frame)
         if reject.reason in _OF_PAYLOADS:
