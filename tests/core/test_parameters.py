@@ -1,9 +1,21 @@
+import array
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase.errors import ParameterError
-from rosbase.parameters import ParameterKind, ParameterSpec, check_value, parse_text
+from rosbase.parameters import (
+    ParameterKind,
+    ParameterSpec,
+    WrittenText,
+    check_value,
+    from_outside,
+    parse_text,
+    parse_written,
+)
+from support.strategies import yaml_scalars
 
 BAUD = ParameterSpec("baudrate", 115_200, minimum=1, maximum=20_000_000)
 TIMEOUT = ParameterSpec("timeout", 1.0, minimum=0.0)
@@ -12,6 +24,12 @@ NAME = ParameterSpec("name", "imu_link")
 MODE = ParameterSpec("mode", "warn", choices=("warn", "off"))
 STDDEV = ParameterSpec("stddev", [], kind=ParameterKind.DOUBLE_ARRAY, minimum=0.0)
 PATHS = ParameterSpec("paths", [], kind=ParameterKind.STRING_ARRAY)
+VERSION = ParameterSpec("version", "3.1.1", choices=("3.1.1", "5"))
+SWITCH = ParameterSpec("dtr", "leave", choices=("leave", "on", "off"))
+COUNTS = ParameterSpec("counts", [], kind=ParameterKind.INTEGER_ARRAY)
+FLAGS = ParameterSpec("flags", [], kind=ParameterKind.BOOL_ARRAY)
+KEY = ParameterSpec("key", [], kind=ParameterKind.BYTE_ARRAY)
+KINDS = [BAUD, TIMEOUT, FLAG, NAME, MODE, STDDEV, PATHS, COUNTS, FLAGS, KEY]
 
 
 @pytest.mark.parametrize(
@@ -21,6 +39,20 @@ PATHS = ParameterSpec("paths", [], kind=ParameterKind.STRING_ARRAY)
         (TIMEOUT, "2", 2.0),
         (TIMEOUT, "2.5e-1", 0.25),
         (FLAG, "true", True),
+        (FLAG, "off", False),
+        (FLAG, "Y", True),
+        (BAUD, "0x10", 16),
+        (TIMEOUT, "00.5", 0.5),
+        (NAME, "no", "no"),
+        (NAME, "0042", "0042"),
+        (SWITCH, "off", "off"),
+        (VERSION, "5", "5"),
+        (PATHS, "[x, y, no, 1]", ["x", "y", "no", "1"]),
+        (COUNTS, "[1, 0x10]", [1, 16]),
+        (COUNTS, "7", [7]),
+        (FLAGS, "[on, false]", [True, False]),
+        (KEY, "[0, 255]", [b"\x00", b"\xff"]),
+        (KEY, "[]", []),
         (NAME, "42", "42"),
         (NAME, "true", "true"),
         (MODE, "off", "off"),
@@ -61,6 +93,13 @@ def test_text_becomes_a_value_of_the_parameter(
         (TIMEOUT, "1e999", "parameter timeout must be finite, not inf"),
         (TIMEOUT, "9" * 390, "parameter timeout is too large"),
         (FLAG, "1", "parameter flag takes true or false, not 1"),
+        (BAUD, "0042", "parameter baudrate: 0042 is octal in YAML; write 42, if it is meant"),
+        (TIMEOUT, "-007", "parameter timeout: -007 is octal in YAML; write -7, if it is meant"),
+        (COUNTS, "[1, 02]", "parameter counts: 02 is octal in YAML; write 2, if it is meant"),
+        (COUNTS, str(2**63), "parameter counts takes whole numbers of 64 bits"),
+        (FLAGS, "[1]", "parameter flags takes truths such as [true, false], not [1]"),
+        (KEY, "[256]", "parameter key takes bytes such as [0, 255], not [256]"),
+        (KEY, "abc", "parameter key takes bytes such as [0, 255], not ['abc']"),
         (MODE, "loud", "parameter mode is one of warn, off, not 'loud'"),
         (STDDEV, "[0.1, x]", "parameter stddev takes numbers"),
         (STDDEV, "-1", "parameter stddev is at least 0, not -1"),
@@ -78,7 +117,7 @@ def test_a_wrong_value_is_one_line_that_names_the_parameter(
     assert len(str(caught.value)) < 200 or "at most" in complaint
 
 
-@given(st.sampled_from([BAUD, TIMEOUT, FLAG, NAME, MODE, STDDEV, PATHS]), st.text())
+@given(st.sampled_from(KINDS), st.text() | yaml_scalars)
 def test_no_text_gets_past_as_anything_else(spec: ParameterSpec, text: str) -> None:
     try:
         value = parse_text(spec, text)
@@ -92,3 +131,102 @@ def test_a_value_from_a_file_keeps_its_type() -> None:
         check_value(NAME, 5)
     with pytest.raises(ParameterError, match="takes texts"):
         check_value(PATHS, [1, 2])
+
+
+@pytest.mark.parametrize(
+    ("default", "kind", "value"),
+    [
+        ([1.0, 2], ParameterKind.DOUBLE_ARRAY, [1.0, 2.0]),
+        ((1, 2), ParameterKind.INTEGER_ARRAY, [1, 2]),
+        ([True], ParameterKind.BOOL_ARRAY, [True]),
+        (["a"], ParameterKind.STRING_ARRAY, ["a"]),
+        ([b"a", b"b"], ParameterKind.BYTE_ARRAY, [b"a", b"b"]),
+        (b"ab", ParameterKind.BYTE_ARRAY, [b"a", b"b"]),
+        (array.array("d", [1.0]), ParameterKind.DOUBLE_ARRAY, [1.0]),
+        (array.array("q", [1]), ParameterKind.INTEGER_ARRAY, [1]),
+    ],
+)
+def test_a_default_says_which_array_it_is(default: Any, kind: ParameterKind, value: object) -> None:
+    spec = ParameterSpec("gains", default)
+    assert spec.kind is kind
+    assert check_value(spec, spec.default) == value
+
+
+@pytest.mark.parametrize("default", [[], (), [1, "a"], [True, 1], [[1.0]], array.array("d")])
+def test_a_default_that_says_nothing_asks_for_the_kind(default: Any) -> None:
+    if default == array.array("d"):
+        # Its elements have a type of their own.
+        assert ParameterSpec("gains", default).kind is ParameterKind.DOUBLE_ARRAY
+        return
+    with pytest.raises(TypeError, match="parameter gains: say which kind of array it is"):
+        ParameterSpec("gains", default)
+    spec = ParameterSpec("gains", [], kind=ParameterKind.DOUBLE_ARRAY)
+    assert check_value(spec, spec.default) == []
+
+
+@pytest.mark.parametrize(
+    ("spec", "guessed", "value"),
+    [
+        (SWITCH, False, "off"),
+        (SWITCH, True, "on"),
+        (VERSION, 5, "5"),
+        (TIMEOUT, 2, 2.0),
+        (STDDEV, "[0, 2.5]", [0.0, 2.5]),
+        (PATHS, "[x, no]", ["x", "no"]),
+        (PATHS, "x", ["x"]),
+    ],
+)
+def test_what_a_tool_has_guessed_is_taken_if_it_can_mean_but_one_thing(
+    spec: ParameterSpec, guessed: object, value: object
+) -> None:
+    assert from_outside(spec, guessed) == value
+
+
+@pytest.mark.parametrize(
+    ("spec", "guessed"),
+    [
+        (NAME, False),
+        (NAME, 34),
+        (NAME, 1000.0),
+        (SWITCH, 1),
+        (VERSION, 3),
+        (PATHS, [1, 2]),
+        (ParameterSpec("both", "no", choices=("no", "off")), False),
+    ],
+)
+def test_what_has_lost_its_text_is_refused_with_the_way_to_write_it(
+    spec: ParameterSpec, guessed: object
+) -> None:
+    with pytest.raises(ParameterError, match="write text in quotes, in a shell as") as caught:
+        from_outside(spec, guessed)
+    assert str(caught.value).startswith(f"parameter {spec.name} takes text")
+
+
+@pytest.mark.parametrize(
+    ("spec", "written", "value"),
+    [
+        (NAME, WrittenText("5", is_quoted=True), "5"),
+        (PATHS, WrittenText("x, y", is_quoted=True), ["x", "y"]),
+        (PATHS, (WrittenText("a, b"), WrittenText("y", is_quoted=True)), ["a, b", "y"]),
+        (KEY, WrittenText("AAE=", data=b"\0\1"), [b"\0", b"\1"]),
+        (KEY, (WrittenText("AA==", data=b"\0"), WrittenText("7")), [b"\0", b"\7"]),
+        (NAME, WrittenText("AA==", data=b"\0"), "AA=="),
+    ],
+)
+def test_quotes_say_that_it_is_text(spec: ParameterSpec, written: Any, value: object) -> None:
+    assert parse_written(spec, written) == value
+
+
+@pytest.mark.parametrize(
+    ("spec", "written"),
+    [
+        (BAUD, WrittenText("5", is_quoted=True)),
+        (FLAG, WrittenText("true", is_quoted=True)),
+        (STDDEV, (WrittenText("5", is_quoted=True),)),
+        (NAME, (WrittenText("a"),)),
+        (BAUD, ()),
+    ],
+)
+def test_a_list_or_a_text_in_quotes_is_no_other_value(spec: ParameterSpec, written: Any) -> None:
+    with pytest.raises(ParameterError, match=f"parameter {spec.name} takes"):
+        parse_written(spec, written)

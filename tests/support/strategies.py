@@ -344,3 +344,13 @@ telnet_commands = (
         lambda content: b"\xff\xfa" + content.replace(b"\xff", b"\xff\xff") + b"\xff\xf0"
     )
 )
+
+# What YAML may take for a truth or a number, and what looks like one.
+yaml_scalars = (
+    st.sampled_from([*"yYnN", "yes", "No", "NO", "off", "Off", "On", "TRUE", "true", "False"])
+    | st.sampled_from(["null", "~", ".nan", ".NaN", ".inf", "-.INF", "nan", "inf", "-Infinity"])
+    | st.from_regex(r"[-+]?0?[xXob]?[0-9a-f]{1,6}", fullmatch=True)
+    | st.from_regex(r"[-+]?[0-9]{0,3}\.?[0-9]{0,3}([eEp][-+]?[0-9]{1,4})?", fullmatch=True)
+    | st.integers().map(str)
+    | st.floats().map(repr)
+).filter(bool)

@@ -13,8 +13,8 @@ from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.parameters import (
     ParameterSpec,
     ParameterValue,
-    check_value,
     did_you_mean,
+    from_outside,
     parse_text,
 )
 from rosbase.text.printable import MOST_LINE, one_line
@@ -111,7 +111,7 @@ def check_given(
     """
     known = {spec.name: spec for spec in specs}
     return {
-        name: (parse_text if item.is_text else check_value)(_spec(known, name), item.value)
+        name: (parse_text if item.is_text else from_outside)(_spec(known, name), item.value)
         for name, item in given.items()
     }
 
@@ -121,7 +121,7 @@ def as_text(value: ParameterValue) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
-        return f"[{', '.join(str(item) for item in value)}]"
+        return f"[{', '.join(str(item[0] if isinstance(item, bytes) else item) for item in value)}]"
     return str(value)
 
 

@@ -29,6 +29,8 @@ _SPECS = [
     ParameterSpec("no_texts", [], kind=_TEXTS),
     ParameterSpec("counts", [1, 2]),
     ParameterSpec("flags", [True, False]),
+    ParameterSpec("octets", [b"a", b"b"]),
+    ParameterSpec("no_octets", [], kind=ParameterKind.BYTE_ARRAY),
 ]
 # What is set, and what becomes of it.
 _OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
@@ -38,6 +40,10 @@ _OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
     "mode": ("off", "off"),
     "numbers": ([0.5], [0.5]),
     "texts": (["c"], ["c"]),
+    "no_texts": ([], []),
+    "counts": ([3], [3]),
+    "flags": ([], []),
+    "octets": ([7], [b"\7"]),
 }
 _SET: dict[str, tuple[ParameterValue, ParameterValue]] = {
     **_OVERRIDES,
@@ -45,6 +51,8 @@ _SET: dict[str, tuple[ParameterValue, ParameterValue]] = {
     "counts": ([3], [3]),
     "flags": ([False], [False]),
     "no_numbers": ([1, 2.5], [1.0, 2.5]),
+    "octets": ([], []),
+    "no_octets": ([b"c"], [b"c"]),
 }
 _NEVER = [Parameter("serial", "B2"), Parameter("unheard_of", 1)]
 _WRONG: dict[str, ParameterValue] = {
@@ -53,6 +61,8 @@ _WRONG: dict[str, ParameterValue] = {
     "rate": "fast",
     "mode": "loud",
     "numbers": ["a"],
+    "octets": [256],
+    "counts": [2**63],
 }
 
 

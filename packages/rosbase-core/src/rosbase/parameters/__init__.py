@@ -1,0 +1,32 @@
+"""Parameters: what they are called, of which type they are, and which values they take."""
+
+from rosbase.parameters.checking import check_value, did_you_mean
+from rosbase.parameters.kinds import (
+    Parameter,
+    ParameterKind,
+    ParameterSpec,
+    ParameterValue,
+    SetParametersResult,
+)
+from rosbase.parameters.written import (
+    Written,
+    WrittenText,
+    from_outside,
+    parse_text,
+    parse_written,
+)
+
+__all__ = [
+    "Parameter",
+    "ParameterKind",
+    "ParameterSpec",
+    "ParameterValue",
+    "SetParametersResult",
+    "Written",
+    "WrittenText",
+    "check_value",
+    "did_you_mean",
+    "from_outside",
+    "parse_text",
+    "parse_written",
+]

@@ -1,0 +1,118 @@
+"""What a parameter is. The types are those of rcl_interfaces/ParameterType."""
+
+import array
+from enum import Enum
+from typing import TypeAlias
+
+from attrs import field, frozen
+
+__all__ = [
+    "ELEMENTS",
+    "SCALARS",
+    "Parameter",
+    "ParameterKind",
+    "ParameterSpec",
+    "ParameterValue",
+    "SetParametersResult",
+]
+
+ParameterValue: TypeAlias = (
+    bool | int | float | str | list[bool] | list[int] | list[float] | list[str] | list[bytes]
+)
+"""What a parameter can be. Bytes are a list of `bytes` of length 1, as in rclpy."""
+
+
+class ParameterKind(Enum):
+    """The type of a parameter; the value is how it is called in a message to the user."""
+
+    BOOL = "true or false"
+    INTEGER = "a whole number"
+    DOUBLE = "a number"
+    STRING = "text"
+    BYTE_ARRAY = "bytes such as [0, 255]"
+    BOOL_ARRAY = "truths such as [true, false]"
+    INTEGER_ARRAY = "whole numbers such as [1, 2]"
+    DOUBLE_ARRAY = "numbers such as [1.0, 2.0]"
+    STRING_ARRAY = "texts such as [a, b]"
+
+
+@frozen
+class SetParametersResult:
+    """Whether parameters were set; the fields are those of rcl_interfaces/SetParametersResult."""
+
+    successful: bool
+    reason: str = ""
+    """Why they were not."""
+
+
+@frozen
+class Parameter:
+    """A declared parameter and its value, as rclpy's `get_parameter` gives it."""
+
+    name: str
+    value: ParameterValue
+
+
+SCALARS = {
+    ParameterKind.BOOL: bool,
+    ParameterKind.INTEGER: int,
+    ParameterKind.DOUBLE: float,
+    ParameterKind.STRING: str,
+}
+"""The Python type of each kind that is no array."""
+
+ELEMENTS = {
+    ParameterKind.BOOL_ARRAY: ParameterKind.BOOL,
+    ParameterKind.INTEGER_ARRAY: ParameterKind.INTEGER,
+    ParameterKind.DOUBLE_ARRAY: ParameterKind.DOUBLE,
+    ParameterKind.STRING_ARRAY: ParameterKind.STRING,
+}
+"""The kind of the elements of each array, but for bytes."""
+
+_KIND_OF = {python_type: kind for kind, python_type in SCALARS.items()}
+_ARRAY_OF = {
+    bytes: ParameterKind.BYTE_ARRAY,
+    **{SCALARS[element]: array for array, element in ELEMENTS.items()},
+}
+
+
+def _kind_of(spec: "ParameterSpec") -> ParameterKind:
+    """The kind that a default says: of a list, by its elements; a float among ints is one."""
+    default: object = spec.default
+    if isinstance(default, array.array):
+        return _ARRAY_OF[float if default.typecode in "fd" else int]
+    if isinstance(default, (bytes, bytearray)):
+        return ParameterKind.BYTE_ARRAY
+    if not isinstance(default, (list, tuple)):
+        if type(default) not in _KIND_OF:
+            raise TypeError(f"parameter {spec.name}: {default!r} is not a value of a parameter")
+        return _KIND_OF[type(default)]
+    types = {type(item) for item in default}
+    if types == {int, float}:
+        types = {float}
+    if len(types) != 1 or not types <= _ARRAY_OF.keys():
+        # An empty list says nothing, and a mixed one is none.
+        raise TypeError(f"parameter {spec.name}: say which kind of array it is")
+    return _ARRAY_OF[types.pop()]
+
+
+@frozen
+class ParameterSpec:
+    """What a parameter is: enough to declare it, to check a value and to explain it."""
+
+    name: str
+    default: ParameterValue
+    description: str = ""
+    kind: ParameterKind = field(kw_only=True)
+    choices: tuple[str, ...] = field(kw_only=True, default=())
+    """The only texts allowed, if there are any here."""
+    minimum: float | None = field(kw_only=True, default=None)
+    """The least number allowed; for arrays, of each element."""
+    maximum: float | None = field(kw_only=True, default=None)
+    """The greatest number allowed; for arrays, of each element."""
+    read_only: bool = field(kw_only=True, default=False)
+    """Whether its value stays what it was when it was declared."""
+
+    @kind.default
+    def _default_kind(self) -> ParameterKind:
+        return _kind_of(self)
