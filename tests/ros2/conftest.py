@@ -1,5 +1,6 @@
 """What the tests on real rclpy have in common."""
 
+import sys
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -9,7 +10,7 @@ import rclpy
 
 from rosbase.contracts.backend import BackendOptions
 from rosbase_ros2.backend import Ros2Backend
-from support.ros import isolate, ros_context
+from support.ros import Open, isolate, ros_context
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -43,3 +44,18 @@ def backend() -> Iterator[Ros2Backend]:
     backend = Ros2Backend(BackendOptions("test_node"))
     yield backend
     backend.close()
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
+    """Opens backends with arguments for ROS; the node is called `driver`."""
+    backends: list[Ros2Backend] = []
+
+    def open_one(*arguments: str, **options: Any) -> Ros2Backend:
+        monkeypatch.setattr(sys, "argv", ["program", "--ros-args", *arguments])
+        backends.append(Ros2Backend(BackendOptions("driver", **options)))
+        return backends[-1]
+
+    yield open_one
+    for backend in backends:
+        backend.close()

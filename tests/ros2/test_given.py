@@ -1,7 +1,6 @@
 """What users give a node from outside takes effect, or is named once."""
 
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,42 +8,19 @@ import pytest
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from imu_serial.simulator import PtyDevice
-from rosbase import BackendOptions, ParameterError, ParameterSpec
+from rosbase import ParameterError, ParameterSpec
 from rosbase.messages import String
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.qos_overrides import QoSOverrides
 from support.command import RunningRosbase, run_rosbase
-from support.ros import Client
+from support.ros import Client, Open, params_file
 from support.waiting import wait_until
-
-Open = Callable[..., Ros2Backend]
-
-
-@pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
-    """Opens a backend with arguments for ROS."""
-    backends: list[Ros2Backend] = []
-
-    def open_one(*arguments: str, **options: Any) -> Ros2Backend:
-        monkeypatch.setattr(sys, "argv", ["program", "--ros-args", *arguments])
-        backends.append(Ros2Backend(BackendOptions("driver", **options)))
-        return backends[-1]
-
-    yield open_one
-    for backend in backends:
-        backend.close()
 
 
 def spin(backend: Ros2Backend) -> None:
     """Has the main loop do what waits."""
     while backend.spin_once(0.0):
         pass
-
-
-def params_file(folder: Path, text: str) -> str:
-    file = folder / "params.yaml"
-    file.write_text(text)
-    return str(file)
 
 
 def messages(caplog: pytest.LogCaptureFixture) -> list[str]:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import rclpy
 from lifecycle_msgs import msg, srv
@@ -19,6 +19,9 @@ from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from support.waiting import wait_until
+
+Open: TypeAlias = Callable[..., Ros2Backend]
+"""Opens a backend, given arguments for ROS and options."""
 
 TIMEOUT_S = 20.0
 ATTEMPTS = 10
@@ -84,6 +87,13 @@ def spin_until(backend: Ros2Backend, is_done: Callable[[], object]) -> None:
     while not is_done():
         backend.spin_once(0.1)
         assert backend.executor.clock.monotonic_ns() < deadline_ns, "nothing came"
+
+
+def params_file(folder: Path, text: str) -> str:
+    """A parameter file in a folder; gives its path."""
+    file = folder / "params.yaml"
+    file.write_text(text)
+    return str(file)
 
 
 class Served:

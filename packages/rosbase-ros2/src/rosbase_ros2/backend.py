@@ -2,7 +2,7 @@
 
 import copy
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import rclpy
@@ -36,7 +36,7 @@ from rosbase_ros2.delivery import Retirement, await_delivery
 from rosbase_ros2.given import given_parameters, name_strange_files, name_undeclared
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
-from rosbase_ros2.parameters import RosParameters
+from rosbase_ros2.parameters import Overrides, RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
 from rosbase_ros2.qos_overrides import QoSOverrides
 from rosbase_ros2.questions import Questions
@@ -46,6 +46,7 @@ from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.starting import prepare_machine, ros_arguments, start_node
 from rosbase_ros2.timers import RosTimer, Timers
 from rosbase_ros2.topics import RosPublisher, RosSubscription
+from rosbase_ros2.written import RosArguments
 
 __all__ = ["Ros2Backend"]
 
@@ -67,7 +68,7 @@ class Ros2Backend(Backend):
         """
         super().__init__(SystemClock(), options.node_name)
         self._context = rclpy.Context()
-        warning, arguments = prepare_machine(), ros_arguments(sys.argv)
+        warning, arguments = prepare_machine(), RosArguments(ros_arguments(sys.argv))
         self.node = start_node(self._context, options, arguments)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
@@ -78,10 +79,13 @@ class Ros2Backend(Backend):
         if warning:
             self._logger.warning(warning)
         self._refusals = Refusals(self._context, self._logger)
-        self._overrides = self._read_given(options, arguments)
+        given = given_parameters(self.node)
+        self._overrides = self._read_given(options, arguments, given)
         self._timers = Timers(clock, self.call_soon)
         questions = Questions(self.call_soon, self._is_on_spinner)
-        self._parameters = RosParameters(self.node, questions, self._refusals)
+        written = arguments.written_for(self.node.get_fully_qualified_name())
+        overrides = Overrides(options.parameter_overrides, given, written)
+        self._parameters = RosParameters(self.node, overrides, questions, self._refusals)
         self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(self.node)
@@ -225,18 +229,19 @@ class Ros2Backend(Backend):
                 # When whoever creates topics has created them all.
                 self.call_soon(self._overrides.name_near_misses)
 
-    def _read_given(self, options: BackendOptions, arguments: list[str]) -> QoSOverrides:
+    def _read_given(
+        self, options: BackendOptions, arguments: RosArguments, given: Mapping[str, Any]
+    ) -> QoSOverrides:
         """Take what the node was given from outside, and name what means nothing here."""
         # What a program is given is meant for its manager or one of its children.
         warn = self._logger.debug if options.is_child else self._logger.warning
-        given = given_parameters(self.node)
         try:
             overrides = QoSOverrides(given, warn)
         except ParameterError:
             self.node.destroy_node()
             self._context.try_shutdown()
             raise
-        name_strange_files(arguments, given, f"/{self.node_name}", warn)
+        name_strange_files(arguments.files, given, f"/{self.node_name}", warn)
         names = {*given, *options.parameter_overrides}
         if names:
             # When the constructors have declared their parameters.

@@ -1,20 +1,14 @@
 """Parameters that a node was given from outside, and those of them that mean nothing here."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import pairwise
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import yaml
 from rclpy.parameter import Parameter as RosParameter
 
 from rosbase import did_you_mean
 from rosbase_ros2.qos_overrides import PREFIX
 
 __all__ = ["given_parameters", "name_strange_files", "name_undeclared"]
-
-_FILE = "--params-file"
-_PARAMETERS = "ros__parameters"
 
 
 def given_parameters(node: Any) -> dict[str, Any]:
@@ -34,45 +28,21 @@ def name_undeclared(node: Any, names: Iterable[str], warn: Callable[[str], objec
 
 
 def name_strange_files(
-    arguments: Iterable[str], names: Iterable[str], node_name: str, warn: Callable[[str], object]
+    files: Mapping[str, Mapping[str, Iterable[str]]],
+    names: Iterable[str],
+    node_name: str,
+    warn: Callable[[str], object],
 ) -> None:
     """Warn of parameter files that have nothing for a node, such as one with a misspelt name.
 
     Args:
-        arguments: Those for ROS on the command line.
+        files: By the name of a file: the nodes that it names, with their parameters.
         names: The names of the parameters that the node was given.
         node_name: The full name of the node.
         warn: Called with a line for each file.
     """
     given = set(names)
-    for word, file in pairwise(arguments):
-        sections = dict(_sections(_read(file))) if word == _FILE else {}
-        if sections and not any(given & parameters for parameters in sections.values()):
-            others = ", ".join(sorted(sections))
+    for file, sections in files.items():
+        if sections and not any(given & set(parameters) for parameters in sections.values()):
+            others = ", ".join(sorted(f"/{section.lstrip('/')}" for section in sections))
             warn(f"{file} has no parameters for {node_name}, only for {others}")
-
-
-def _read(file: str) -> Any:
-    try:
-        return yaml.safe_load(Path(file).read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError):
-        # rcl has read it, or has said why not.
-        return None
-
-
-def _sections(tree: Any, path: str = "") -> Iterator[tuple[str, set[str]]]:
-    """Give each node that a file names, with the names of its parameters."""
-    if isinstance(tree, Mapping):
-        for key, value in tree.items():
-            if key == _PARAMETERS:
-                yield path, set(_names(value))
-            else:
-                yield from _sections(value, f"{path}/{str(key).strip('/')}")
-
-
-def _names(tree: Any, prefix: str = "") -> Iterator[str]:
-    for key, value in tree.items() if isinstance(tree, Mapping) else ():
-        if isinstance(value, Mapping):
-            yield from _names(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}"

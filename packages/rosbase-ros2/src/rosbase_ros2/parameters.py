@@ -1,8 +1,10 @@
 """Parameters of rosbase as parameters of a ROS node: declared, listed, checked when set."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
+from attrs import field, frozen
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.msg import SetParametersResult as RosResult
 from rclpy.parameter import Parameter as RosParameter
@@ -13,21 +15,27 @@ from rosbase import (
     ParameterKind,
     ParameterRules,
     ParameterSpec,
+    ParameterValue,
     SetParametersResult,
+    Written,
     check_value,
+    from_outside,
     one_line,
+    parse_written,
     refused,
 )
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import RCLError, Refusals
+from rosbase_ros2.written import is_guess_of
 
-__all__ = ["RosParameters"]
+__all__ = ["Overrides", "RosParameters"]
 
 _TYPES = {
     ParameterKind.BOOL: RosParameter.Type.BOOL,
     ParameterKind.INTEGER: RosParameter.Type.INTEGER,
     ParameterKind.DOUBLE: RosParameter.Type.DOUBLE,
     ParameterKind.STRING: RosParameter.Type.STRING,
+    ParameterKind.BYTE_ARRAY: RosParameter.Type.BYTE_ARRAY,
     ParameterKind.BOOL_ARRAY: RosParameter.Type.BOOL_ARRAY,
     ParameterKind.INTEGER_ARRAY: RosParameter.Type.INTEGER_ARRAY,
     ParameterKind.DOUBLE_ARRAY: RosParameter.Type.DOUBLE_ARRAY,
@@ -37,6 +45,35 @@ _HUGE = 1.7976931348623157e308
 _INT64 = 2**63
 
 
+@frozen
+class Overrides:
+    """The values that win over the defaults of one node's parameters."""
+
+    of_program: Mapping[str, ParameterValue] = field(factory=dict)
+    """What the backend was opened with; it wins over the command line."""
+    guessed: Mapping[str, Any] = field(factory=dict)
+    """What rcl makes of the command line and its files."""
+    written: Mapping[str, Sequence[Written | None]] = field(factory=dict)
+    """What stands there, the last of which counts; None where the text is lost."""
+
+    def value_of(self, spec: ParameterSpec) -> ParameterValue:
+        """Return the value that a parameter is declared with.
+
+        Raises:
+            ParameterError: It is given, and what is given is not a value of it.
+        """
+        if spec.name in self.of_program:
+            return check_value(spec, self.of_program[spec.name])
+        if spec.name not in self.guessed:
+            return check_value(spec, spec.default)
+        guessed, texts = _plain(self.guessed[spec.name]), self.written.get(spec.name, ())
+        # rcl keeps the first of two types that it guesses for one parameter, not the last.
+        is_known = any(text is not None and is_guess_of(guessed, text) for text in texts)
+        if is_known and (last := texts[-1]) is not None:
+            return parse_written(spec, last)
+        return from_outside(spec, guessed)
+
+
 class RosParameters:
     """The parameters of one rclpy node.
 
@@ -44,15 +81,19 @@ class RosParameters:
     callbacks run on the main loop.
     """
 
-    def __init__(self, node: Any, questions: Questions, refusals: Refusals) -> None:
+    def __init__(
+        self, node: Any, overrides: Overrides, questions: Questions, refusals: Refusals
+    ) -> None:
         """Take over the checking of what is set.
 
         Args:
             node: The rclpy node.
+            overrides: What wins over the defaults.
             questions: Has the main loop answer.
             refusals: Judges what DDS does not take.
         """
         self._node = node
+        self._overrides = overrides
         self._rules = ParameterRules()
         self._questions = questions
         self._refusals = refusals
@@ -69,18 +110,15 @@ class RosParameters:
         """
         if self._node.has_parameter(spec.name):
             raise ParameterError(f"parameter {spec.name} is declared twice")
+        value = self._overrides.value_of(spec)
         try:
-            self._change(self._node.declare_parameter, spec.name, spec.default, _descriptor(spec))
-            given = self._node.get_parameter(spec.name)
+            # Not by rclpy, which knows the overrides by the types that rcl guesses.
+            declare = partial(self._node.declare_parameter, ignore_override=True)
+            self._change(declare, spec.name, value, _descriptor(spec))
         except Exception as error:
             raise ParameterError(one_line(str(error))) from error
-        try:
-            value = check_value(spec, _plain(given.value))
-        except ParameterError:
-            self._node.undeclare_parameter(spec.name)
-            raise
-        if given.type_ is not _TYPES[spec.kind]:
-            # A whole number for a double, or an empty list, which rclpy takes for one of bytes.
+        if self._node.get_parameter(spec.name).type_ is not _TYPES[spec.kind]:
+            # An empty list, which rclpy takes for one of bytes.
             parameter = RosParameter(spec.name, _TYPES[spec.kind], value)
             self._change(self._node.set_parameters, [parameter])
         self._rules.add(spec)
@@ -130,7 +168,7 @@ class RosParameters:
         if spec is None:
             return parameter
         try:
-            value = check_value(spec, _plain(parameter.value))
+            value = from_outside(spec, _plain(parameter.value))
         except ParameterError:
             # Refused with the reason when it is checked.
             return parameter

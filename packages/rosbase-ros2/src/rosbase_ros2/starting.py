@@ -17,6 +17,7 @@ from rosbase_ros2.machine import (
     memory_fault,
     spare_shared_memory,
 )
+from rosbase_ros2.written import RosArguments
 
 __all__ = ["prepare_machine", "ros_arguments", "start_node"]
 
@@ -39,7 +40,7 @@ def prepare_machine() -> str:
     return spare_shared_memory(os.environ, middleware, free)
 
 
-def start_node(context: Any, options: BackendOptions, arguments: list[str]) -> Any:
+def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -> Any:
     """Return a new rclpy node, in a context that is started with it.
 
     Args:
@@ -51,7 +52,8 @@ def start_node(context: Any, options: BackendOptions, arguments: list[str]) -> A
         BackendError: ROS refuses the arguments or the name.
     """
     try:
-        rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
+        with arguments.for_rcl() as taken:
+            rclpy.init(args=taken, context=context, signal_handler_options=SignalHandlerOptions.NO)
         overrides = [
             rclpy.Parameter(name, value=value)
             for name, value in options.parameter_overrides.items()
@@ -62,7 +64,7 @@ def start_node(context: Any, options: BackendOptions, arguments: list[str]) -> A
         return rclpy.create_node(name, context=context, cli_args=own, parameter_overrides=overrides)
     except Exception as error:
         context.try_shutdown()
-        reason = one_line(str(error))
+        reason = one_line(arguments.named_by_user(str(error)))
         if isinstance(error, rclpy_implementation.UnknownROSArgsError):
             # rclpy has nothing to say but the list of them.
             reason = f"not known behind --ros-args: {reason}"

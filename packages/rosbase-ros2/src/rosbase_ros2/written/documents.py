@@ -1,0 +1,136 @@
+"""Parameter files and values of `-p` as text: which node they are for, and what stands there."""
+
+import base64
+import binascii
+import json
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+
+import yaml
+from attrs import frozen
+
+from rosbase import Written, WrittenText
+from rosbase_ros2.written.guess import is_mixed
+
+__all__ = ["Entry", "Sections", "entries", "for_rcl", "read_documents", "read_value"]
+
+PARAMETERS = "ros__parameters"
+_BINARY = "tag:yaml.org,2002:binary"
+_STRING = "tag:yaml.org,2002:str"
+_QUOTES = ("'", '"')
+
+Sections: TypeAlias = dict[str, dict[str, list[Written | None]]]
+"""By the name of a node as it stands in the file, and that of a parameter: all that is written
+for it, the last of which counts. None is a value whose text is lost."""
+
+
+@frozen
+class Entry:
+    """A parameter in a file."""
+
+    section: str
+    """The name of the node, or a pattern of names."""
+    name: str
+    node: yaml.Node
+
+
+def read_documents(text: str) -> list[yaml.Node]:
+    """The documents of a file; none if it is not YAML, of which rcl says why."""
+    try:
+        return [node for node in yaml.compose_all(text, Loader=yaml.SafeLoader) if node]
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return []
+
+
+def entries(documents: Sequence[yaml.Node]) -> Iterator[Entry]:
+    """Give every parameter, in the order of the file."""
+    for document in documents:
+        yield from _sections(document, ())
+
+
+def read_value(text: str) -> Written:
+    """What stands behind `:=`; as a whole it is text where it is no scalar and no flat list."""
+    documents = read_documents(text)
+    written = _written(documents[0]) if len(documents) == 1 else None
+    items = (written,) if isinstance(written, WrittenText) else written
+    has_null = items is None or any(not item.text and not item.is_quoted for item in items)
+    return WrittenText(text, is_quoted=True) if written is None or has_null else written
+
+
+def written_of(node: yaml.Node, *, is_dumped: bool) -> Written | None:
+    """What stands in a node; None if it has no text that says more than rcl's guess.
+
+    Args:
+        node: A value in a file.
+        is_dumped: Whether a tool has written the file, such as launch. Numbers and truths in it
+            are those that the tool has guessed.
+    """
+    written = _written(node)
+    if is_dumped and written is not None:
+        items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        if any(item.tag not in (_STRING, _BINARY) for item in items):
+            return None
+    return written
+
+
+def for_rcl(text: str, documents: Sequence[yaml.Node]) -> str:
+    """The text of a file, with the items of each list that rcl would refuse in quotes."""
+    pieces, rest = [], len(text)
+    mixed = [entry.node for entry in entries(documents) if _is_mixed(entry.node)]
+    for item in sorted((item for node in mixed for item in node.value), key=_start, reverse=True):
+        start, end = item.start_mark.index, item.end_mark.index
+        pieces += [text[end:rest], quoted(item.value)]
+        rest = start
+    return "".join([text[:rest], *reversed(pieces)])
+
+
+def quoted(text: str) -> str:
+    """A text as YAML has it in double quotes."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _start(node: yaml.Node) -> int:
+    return int(node.start_mark.index)
+
+
+def _is_mixed(node: yaml.Node) -> bool:
+    written = _written(node)
+    return isinstance(written, tuple) and is_mixed(written)
+
+
+def _sections(node: yaml.Node, path: tuple[str, ...]) -> Iterator[Entry]:
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            if key.value == PARAMETERS:
+                yield from _parameters(value, "/".join(path), "")
+            else:
+                yield from _sections(value, (*path, str(key.value)))
+
+
+def _parameters(node: yaml.Node, section: str, prefix: str) -> Iterator[Entry]:
+    for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+        name = f"{prefix}{key.value}"
+        if isinstance(value, yaml.MappingNode):
+            yield from _parameters(value, section, f"{name}.")
+        else:
+            yield Entry(section, name, value)
+
+
+def _written(node: yaml.Node) -> Written | None:
+    if isinstance(node, yaml.ScalarNode):
+        return _text(node)
+    if isinstance(node, yaml.SequenceNode) and all(
+        isinstance(item, yaml.ScalarNode) for item in node.value
+    ):
+        return tuple(_text(item) for item in node.value)
+    return None
+
+
+def _text(node: yaml.ScalarNode) -> WrittenText:
+    data = None
+    if node.tag == _BINARY:
+        try:
+            data = base64.b64decode(node.value)
+        except (binascii.Error, ValueError):
+            pass
+    return WrittenText(node.value, node.style in _QUOTES, data)
