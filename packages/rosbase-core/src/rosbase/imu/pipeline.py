@@ -50,8 +50,10 @@ class Pipeline:
         self._spreading = Spreading()
         self._explanations = Explanations(settings.transport.hints, mapped_by(settings.mapping))
         self._never_there = NeverThere(settings.asked_for)
-        for note in settings.without_effect:
-            logger.warning(note)
+
+    def redirect(self, outlet: Outlet) -> None:
+        """Publish samples through another outlet from now on. From any thread."""
+        self._outlet = outlet
 
     @property
     def finding(self) -> str:

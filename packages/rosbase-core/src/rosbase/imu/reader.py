@@ -1,14 +1,16 @@
 """The IMU reader: a lifecycle node that turns the frames of a device into messages."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
 
 from rosbase.clock import date_fault
 from rosbase.contracts.backend import timer_period_ns
+from rosbase.contracts.parameter_store import refused
 from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
 from rosbase.errors import BackendError, ConfigurationError, TransportError
+from rosbase.imu.changes import refusal
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel
@@ -19,7 +21,7 @@ from rosbase.imu.pipeline import Pipeline
 from rosbase.imu.plugin_calls import finished, make_transport
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
 from rosbase.lifecycle import CallbackReturn, State
-from rosbase.parameters import ParameterValue
+from rosbase.parameters import Parameter, ParameterValue, SetParametersResult
 from rosbase.plugins import PluginRegistry, installed_plugins
 from rosbase.roles.lifecycle_node import LifecycleNode, LifecyclePublisher
 from rosbase.runtime.executor import ExecutorTimer
@@ -32,7 +34,7 @@ DEFAULT_NODE_NAME = "lifecycle_manager"
 _DEPTH = 10_000
 _HEALTH_PERIOD_S = 0.25
 _NOT_ACTIVE = Health(HealthLevel.OK, "not active")
-_NO_DEFAULTS: Mapping[str, ParameterValue] = {}
+_NOTHING: Mapping[str, ParameterValue] = {}
 
 
 class ImuReader(LifecycleNode):
@@ -51,7 +53,7 @@ class ImuReader(LifecycleNode):
         manager: Any = None,
         *args: Any,
         registry: PluginRegistry | None = None,
-        parameter_defaults: Mapping[str, ParameterValue] = _NO_DEFAULTS,
+        parameter_defaults: Mapping[str, ParameterValue] = _NOTHING,
         **kwargs: Any,
     ) -> None:
         """Declares the parameters, those of every installed transport too.
@@ -68,16 +70,20 @@ class ImuReader(LifecycleNode):
         """
         super().__init__(manager, *args, **kwargs)
         self._registry = registry or installed_plugins()
-        for spec in reader_parameters(self._registry):
+        specs = reader_parameters(self._registry)
+        for spec in specs:
             default = parameter_defaults.get(spec.name, spec.default)
             self.declare_parameter(spec.name, default, attrs.evolve(spec, default=default))
         self.autostart = self._value("autostart")
         self._settings = self._read_settings()
         # What cannot be is refused now, not when somebody configures. It touches no device.
         self._make_transport(self._settings)
+        self._names = frozenset(spec.name for spec in specs)
+        self.add_on_set_parameters_callback(self._judge_change)
         self._counts = Counts()
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
+        self._topics: Publishers | None = None
         self._pipeline: Pipeline | None = None
         self._monitor: HealthMonitor | None = None
         self._monitor_timer: ExecutorTimer | None = None
@@ -114,7 +120,7 @@ class ImuReader(LifecycleNode):
 
     @property
     def settings(self) -> ReaderSettings:
-        """What the parameters amounted to when the node was configured."""
+        """What the parameters amount to, as far as they count by now."""
         return self._settings
 
     # The lifecycle.
@@ -132,7 +138,7 @@ class ImuReader(LifecycleNode):
             self.last_error = error
             return CallbackReturn.FAILURE
         try:
-            publishers = Publishers(self._publisher, settings.topic_namespace)
+            self._topics = Publishers(self._publisher, settings.topic_namespace)
         except BackendError as error:
             # Such as a topic that carries something else already.
             transport.close()
@@ -140,14 +146,7 @@ class ImuReader(LifecycleNode):
             self.last_error = error
             return CallbackReturn.FAILURE
         self._replace_transport(transport)
-        outlet = Outlet(
-            publishers,
-            lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
-            settings.frame_id,
-            settings.covariances,
-            self._counts,
-        )
-        self._pipeline = Pipeline(settings, outlet, self._counts, self.logger)
+        self._pipeline = self._make_pipeline(settings)
         return CallbackReturn.SUCCESS
 
     def on_activate(self, previous_state: State) -> CallbackReturn:
@@ -194,6 +193,53 @@ class ImuReader(LifecycleNode):
         """Releases everything, for a node that is run without a manager."""
         self._release()
 
+    def _judge_change(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Refuse what cannot be or would not count; have count what counts at once."""
+        changed = {
+            parameter.name: parameter.value
+            for parameter in parameters
+            if parameter.name in self._names and parameter.value != self._value(parameter.name)
+        }
+        state = self.get_state()
+        if not changed:
+            return SetParametersResult(successful=True)
+        if reason := self.describe_transition() or refusal(changed, state):
+            return refused(reason)
+        try:
+            settings = self._read_settings(changed)
+            if state is State.UNCONFIGURED:
+                self._make_transport(settings)
+        except ConfigurationError as error:
+            return refused(str(error))
+        self._take_over(settings, state)
+        return SetParametersResult(successful=True)
+
+    def _take_over(self, settings: ReaderSettings, state: State) -> None:
+        """Have settings count from now on; those of an unconfigured reader count later."""
+        if state is State.INACTIVE:
+            self._pipeline = self._make_pipeline(settings, self._settings.without_effect)
+        elif state is State.ACTIVE and self._pipeline is not None:
+            self._pipeline.redirect(self._make_outlet(settings))
+        if state is not State.UNCONFIGURED:
+            self._settings = settings
+
+    def _make_pipeline(self, settings: ReaderSettings, said: Sequence[str] = ()) -> Pipeline:
+        """Make the path of a frame; `said` has been logged before."""
+        for note in settings.without_effect:
+            if note not in said:
+                self.logger.warning(note)
+        return Pipeline(settings, self._make_outlet(settings), self._counts, self.logger)
+
+    def _make_outlet(self, settings: ReaderSettings) -> Outlet:
+        assert self._topics is not None
+        return Outlet(
+            self._topics,
+            lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
+            settings.frame_id,
+            settings.covariances,
+            self._counts,
+        )
+
     def _stop_reading(self) -> None:
         if self._monitor_timer is not None:
             self._monitor_timer.destroy()
@@ -239,8 +285,11 @@ class ImuReader(LifecycleNode):
         self._publishers.append(publisher)
         return publisher
 
-    def _read_settings(self) -> ReaderSettings:
-        settings = read_settings(self._registry, self._value)
+    def _read_settings(self, changed: Mapping[str, ParameterValue] = _NOTHING) -> ReaderSettings:
+        """Return what the parameters amount to, with some of them changed."""
+        settings = read_settings(
+            self._registry, lambda name: changed[name] if name in changed else self._value(name)
+        )
         check_names(settings.topic_namespace, settings.frame_id, self._backend.node_name)
         return settings
 

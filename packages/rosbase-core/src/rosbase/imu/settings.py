@@ -126,13 +126,12 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
         "stale_timeout", 1.0, "seconds without a sample after which health is WARN", minimum=0.001
     ),
     *CHECK_PARAMETERS,
-    _text(
+    ParameterSpec(
         "autostart",
         "none",
         "how far the node is brought up by itself",
-        "none",
-        "configure",
-        "activate",
+        choices=("none", "configure", "activate"),
+        read_only=True,
     ),
     _stddev("orientation", "rad"),
     _stddev("angular_velocity", "rad/s"),
