@@ -9,8 +9,12 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
 import rclpy
+import yaml
 from lifecycle_msgs import msg, srv
+from rcl_interfaces.msg import Parameter as RosParameterMessage
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import get_parameter_value, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 
 from rosbase.contracts.backend import BackendOptions
@@ -215,6 +219,51 @@ class Client:
             (e.transition.id, e.transition.label, e.start_state.label, e.goal_state.label)
             for e in self.events
         ]
+
+    def destroy(self) -> None:
+        """Gives everything back."""
+        self.executor.shutdown()
+        self.node.destroy_node()
+
+
+class ParameterTool:
+    """What `ros2 param` does, on a node of its own."""
+
+    def __init__(self, context: Any, server: str) -> None:
+        self.node: Any = rclpy.create_node("tool", context=context)
+        self.executor: Any = SingleThreadedExecutor(context=context)
+        self.executor.add_node(self.node)
+        self._server = server
+        self._client = AsyncParameterClient(self.node, server)
+        wait_until(self._client.services_are_ready, "the parameter services")
+
+    def set(self, name: str, text: str) -> Any:
+        """`ros2 param set`: the type is guessed of the text. Gives the result."""
+        parameter = RosParameterMessage(name=name, value=get_parameter_value(text))
+        return self.finish(self._client.set_parameters([parameter])).results[0]
+
+    def get(self, *names: str) -> list[Any]:
+        """The values, as messages."""
+        return list(self.finish(self._client.get_parameters(list(names))).values)
+
+    def dump(self) -> str:
+        """`ros2 param dump`, as ros2param has it in verb/dump.py."""
+        found = self.finish(self._client.list_parameters()).result.names
+        tree: dict[str, Any] = {}
+        for name, value in zip(sorted(found), self.get(*sorted(found)), strict=True):
+            *path, last = name.split(".")
+            branch = tree
+            for key in path:
+                branch = branch.setdefault(key, {})
+            branch[last] = parameter_value_to_python(value)
+        nodes = {f"/{self._server}": {"ros__parameters": tree}}
+        return str(yaml.dump(nodes, default_flow_style=False))
+
+    def finish(self, future: Any) -> Any:
+        """The response, when it is here."""
+        self.executor.spin_until_future_complete(future, TIMEOUT_S)
+        assert future.done(), "no response"
+        return future.result()
 
     def destroy(self) -> None:
         """Gives everything back."""

@@ -2,7 +2,6 @@
 
 import base64
 import binascii
-import json
 from collections.abc import Iterator, Sequence
 from typing import TypeAlias
 
@@ -86,7 +85,14 @@ def for_rcl(text: str, documents: Sequence[yaml.Node]) -> str:
 
 def quoted(text: str) -> str:
     """A text as YAML has it in double quotes."""
-    return json.dumps(text, ensure_ascii=False)
+    return f'"{"".join(map(_escaped, text))}"'
+
+
+def _escaped(sign: str) -> str:
+    if sign in '"\\':
+        return f"\\{sign}"
+    # libyaml refuses what cannot be printed, and halves of a surrogate pair as JSON has them.
+    return sign if sign.isprintable() else f"\\U{ord(sign):08X}"
 
 
 def _start(node: yaml.Node) -> int:
