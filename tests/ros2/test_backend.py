@@ -10,12 +10,17 @@ from typing import Any, cast
 
 import pytest
 import rclpy
-from rclpy.exceptions import InvalidHandle
+from hypothesis import HealthCheck, example, given, settings
+from rclpy.exceptions import (
+    InvalidHandle,
+    InvalidNodeNameException,
+    InvalidServiceNameException,
+)
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Header as RosHeader
 from std_msgs.msg import String as RosString
 
-from rosbase import BaseHandlers, BaseManager, BaseNode
+from rosbase import BaseHandlers, BaseManager, BaseNode, check_node_name
 from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import BackendError
 from rosbase.lifecycle import CallbackReturn, State
@@ -24,6 +29,8 @@ from rosbase.parameters import ParameterSpec
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import Client, spin_until
+from support.strategies import node_names
+from support.waiting import wait_until
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
@@ -57,9 +64,41 @@ def test_a_profile_of_rclpy_is_taken_as_it_is(backend: Ros2Backend) -> None:
 
 
 def test_a_node_name_that_ros_refuses_is_an_error_in_one_line() -> None:
-    with pytest.raises(BackendError, match="ROS 2 does not start") as caught:
+    with pytest.raises(BackendError, match="'not a name' is not a node name") as caught:
         Ros2Backend(BackendOptions("not a name"))
     assert "\n" not in str(caught.value)
+
+
+@given(node_names)
+@example("my-robot")
+@example("a/b")
+@example("größe")
+@example("n" * 221)
+@example("n" * 220)
+@example("__")
+@settings(
+    max_examples=60,
+    deadline=None,
+    # The context is the same for all of them.
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+def test_names_are_refused_that_ros_refuses(context: Any, name: str) -> None:
+    """Whatever rclpy makes a node of, with its services, is a name, and nothing else."""
+    try:
+        check_node_name(name)
+    except BackendError:
+        is_name = False
+    else:
+        is_name = True
+    node = None
+    try:
+        node = rclpy.create_node(name, context=context)
+    except (InvalidNodeNameException, InvalidServiceNameException):
+        pass
+    finally:
+        if node is not None:
+            node.destroy_node()
+    assert (node is not None) == is_name
 
 
 def test_a_topic_of_another_type_is_refused_with_both_named_and_nothing_of_rcl_on_stderr(
@@ -297,3 +336,25 @@ def test_the_examples_run_on_ros_without_a_changed_line(example: str) -> None:
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
     assert done.stdout.count(" -> ") >= 7
+
+
+@pytest.mark.parametrize("kind", [BaseNode, LifecycleNode])
+def test_a_lone_node_whose_constructor_raises_leaves_the_graph(
+    kind: type[BaseNode], context: Any
+) -> None:
+    watcher: Any = rclpy.create_node("watcher", context=context)
+
+    class Broken(kind):  # type: ignore[misc,valid-type]
+        def __init__(self) -> None:
+            super().__init__(backend="ros2", node_name="broken")
+            self.create_publisher(String, "words", 1)
+            wait_until(lambda: "broken" in watcher.get_node_names(), "the node")
+            raise OSError("no device")
+
+    try:
+        with pytest.raises(OSError, match="no device"):
+            Broken()
+        wait_until(lambda: "broken" not in watcher.get_node_names(), "the graph without it")
+        assert watcher.count_publishers("/words") == 0
+    finally:
+        watcher.destroy_node()

@@ -227,3 +227,61 @@ def test_on_the_machines_clock_the_executor_itself_calls_back(backend: Ros2Backe
 
     backend.create_timer(1.0, callback)
     assert [timer.callback for _, _, timer in backend.executor.timers] == [callback] * 2
+
+
+# Nobody publishes `/clock`.
+
+NOBODY = "use_sim_time is true and nothing publishes /clock: stamps are zero and timers stand still"
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rosbase_ros2.sim_time._PATIENCE_NS", 50_000_000)
+
+
+def warnings_of(caplog: pytest.LogCaptureFixture) -> list[str]:
+    return [record.getMessage().partition(" until")[0] for record in caplog.records]
+
+
+def test_a_clock_that_nobody_publishes_is_said_once(
+    impatient: None, caplog: pytest.LogCaptureFixture
+) -> None:
+    backend = Ros2Backend(BackendOptions("simulated", {"use_sim_time": True}))
+    try:
+        spin_until(backend, lambda: warnings_of(caplog))
+        switch(backend, on=False)
+        switch(backend, on=True)
+        for _ in range(5):
+            let_time_pass(backend)
+        assert warnings_of(caplog) == [NOBODY]
+    finally:
+        backend.close()
+
+
+def test_it_is_said_too_when_use_sim_time_is_set_later(
+    impatient: None, backend: Ros2Backend, caplog: pytest.LogCaptureFixture
+) -> None:
+    for _ in range(5):
+        let_time_pass(backend)
+    assert warnings_of(caplog) == []
+    switch(backend, on=True)
+    spin_until(backend, lambda: warnings_of(caplog))
+    assert warnings_of(caplog) == [NOBODY]
+
+
+def test_nothing_is_said_of_a_clock_that_somebody_publishes(
+    impatient: None, backend: Ros2Backend, context: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    simulator: Any = rclpy.create_node("simulator", context=context)
+    simulator.create_publisher(ClockMessage, "/clock", 1)
+    spin_until(backend, lambda: backend.node.count_publishers("/clock"))
+    switch(backend, on=True)
+    for _ in range(5):
+        let_time_pass(backend)
+    simulator.destroy_node()
+    # It is looked for again the next time.
+    switch(backend, on=False)
+    spin_until(backend, lambda: not backend.node.count_publishers("/clock"))
+    switch(backend, on=True)
+    spin_until(backend, lambda: warnings_of(caplog))
+    assert warnings_of(caplog) == [NOBODY]

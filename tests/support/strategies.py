@@ -354,3 +354,5 @@ yaml_scalars = (
     | st.integers().map(str)
     | st.floats().map(repr)
 ).filter(bool)
+
+node_names = st.text("abZ09_-/~.ä ", max_size=8)

@@ -25,6 +25,12 @@ class GoesByAnotherName(LocalBackend):
         super().__init__(evolve(options, node_name="somebody"))
 
 
+@breaks("wrong-node-names-are-errors")
+class TakesAnyName(LocalBackend):
+    def __init__(self, options: BackendOptions) -> None:
+        super().__init__(evolve(options, node_name=options.node_name[:7].strip("-/1") or "node"))
+
+
 @breaks("leaves-the-executor-alone")
 class SpinsByItself(LocalBackend):
     def __init__(self, options: BackendOptions) -> None:

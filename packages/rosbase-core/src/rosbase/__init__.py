@@ -31,12 +31,14 @@ if TYPE_CHECKING:
         message_sender,
     )
     from rosbase.contracts.names import (
+        check_node_name,
         resolve_topic,
     )
     from rosbase.contracts.parameter_store import (
         OnSetParameters,
         ParameterRules,
         ParameterStore,
+        name_undeclared,
         refused,
     )
     from rosbase.contracts.stamper import (
@@ -278,6 +280,7 @@ __all__ = [
     "Written",
     "WrittenText",
     "as_profile",
+    "check_node_name",
     "check_value",
     "date_fault",
     "did_you_mean",
@@ -288,6 +291,7 @@ __all__ = [
     "make_logger",
     "message_sender",
     "mismatch",
+    "name_undeclared",
     "one_line",
     "parse_text",
     "parse_written",
@@ -394,6 +398,7 @@ _HOMES = {
     "Written": "rosbase.parameters",
     "WrittenText": "rosbase.parameters",
     "as_profile": "rosbase.qos",
+    "check_node_name": "rosbase.contracts.names",
     "check_value": "rosbase.parameters",
     "date_fault": "rosbase.clock",
     "did_you_mean": "rosbase.parameters",
@@ -404,6 +409,7 @@ _HOMES = {
     "make_logger": "rosbase.logger",
     "message_sender": "rosbase.contracts.imu_sender",
     "mismatch": "rosbase.qos",
+    "name_undeclared": "rosbase.contracts.parameter_store",
     "one_line": "rosbase.text.printable",
     "parse_text": "rosbase.parameters",
     "parse_written": "rosbase.parameters",

@@ -2,7 +2,7 @@
 
 import copy
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import rclpy
@@ -25,6 +25,7 @@ from rosbase import (
     Timer,
     installed_plugins,
     make_logger,
+    name_undeclared,
     one_line,
     resolve_topic,
     timer_period_ns,
@@ -33,15 +34,16 @@ from rosbase.messages import Imu
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import Retirement, await_delivery
-from rosbase_ros2.given import given_parameters, name_strange_files, name_undeclared
+from rosbase_ros2.given import given_parameters, name_strange_files
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
-from rosbase_ros2.qos_overrides import QoSOverrides
+from rosbase_ros2.qos_overrides import PREFIX, QoSOverrides
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
+from rosbase_ros2.sim_time import SimTimeWatch
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.starting import prepare_machine, ros_arguments, start_node
 from rosbase_ros2.timers import RosTimer, Timers
@@ -82,6 +84,7 @@ class Ros2Backend(Backend):
         given = given_parameters(self.node)
         self._overrides = self._read_given(options, arguments, given)
         self._timers = Timers(clock, self.call_soon)
+        self._sim_time = SimTimeWatch(self.node, clock, self.executor, self._logger.warning)
         questions = Questions(self.call_soon, self._is_on_spinner)
         written = arguments.written_for(self.node.get_fully_qualified_name())
         overrides = Overrides(options.parameter_overrides, given, written)
@@ -201,6 +204,7 @@ class Ros2Backend(Backend):
             subscription.close()
         if self._spinner.close():
             self._timers.close()
+            self._sim_time.close()
             self.node.destroy_node()
         self._context.try_shutdown()
         self.executor.close()
@@ -242,11 +246,16 @@ class Ros2Backend(Backend):
             self._context.try_shutdown()
             raise
         name_strange_files(arguments.files, given, f"/{self.node_name}", warn)
-        names = {*given, *options.parameter_overrides}
+        names = [n for n in (*given, *options.parameter_overrides) if not n.startswith(PREFIX)]
         if names:
             # When the constructors have declared their parameters.
-            self.call_soon(lambda: name_undeclared(self.node, names, warn))
+            self.call_soon(lambda: self._name_undeclared(names, warn))
         return overrides
+
+    def _name_undeclared(self, names: Iterable[str], warn: Callable[[str], object]) -> None:
+        declared = self.node.list_parameters([], 0).names
+        missing = [name for name in names if not self.node.has_parameter(name)]
+        name_undeclared(missing, declared, warn)
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.

@@ -1,14 +1,11 @@
-"""Parameters that a node was given from outside, and those of them that mean nothing here."""
+"""Parameters that a node was given from outside, and files that have none for it."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rclpy.parameter import Parameter as RosParameter
 
-from rosbase import did_you_mean
-from rosbase_ros2.qos_overrides import PREFIX
-
-__all__ = ["given_parameters", "name_strange_files", "name_undeclared"]
+__all__ = ["given_parameters", "name_strange_files"]
 
 
 def given_parameters(node: Any) -> dict[str, Any]:
@@ -16,15 +13,6 @@ def given_parameters(node: Any) -> dict[str, Any]:
     with node.handle:
         given = node.handle.get_parameters(RosParameter)
     return {name: parameter.value for name, parameter in given.items()}
-
-
-def name_undeclared(node: Any, names: Iterable[str], warn: Callable[[str], object]) -> None:
-    """Warn of parameters that were given to a node which has declared no such parameter."""
-    known = node.list_parameters([], 0).names
-    for name in sorted(names):
-        if not name.startswith(PREFIX) and not node.has_parameter(name):
-            hint = did_you_mean(name, known)
-            warn(f"parameter {name} is set from outside, and this node does not have it{hint}")
 
 
 def name_strange_files(

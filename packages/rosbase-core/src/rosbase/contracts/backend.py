@@ -23,6 +23,8 @@ Waiting: `publish` and `call_soon` wait for nobody. Creating, destroying and dec
 the backend's own threads, `close` for what is on its way as well: none for more than some seconds,
 whatever the world does.
 
+Names: that of the node is one that ROS takes (`Backend.__init__` checks it).
+
 Topics: names are those of ROS (`rosbase.resolve_topic`). Every class of `rosbase.messages` can be
 sent, and arrives equal to what was sent; what else can be is the backend's to say. Every
 subscription of a topic hears every publisher of it that matches, those of the same backend and of
@@ -56,6 +58,7 @@ from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.imu_sender import ImuSender, message_sender
+from rosbase.contracts.names import check_node_name
 from rosbase.contracts.parameter_store import OnSetParameters
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
@@ -148,7 +151,12 @@ class Backend(ABC):
     listening costs next to nothing."""
 
     def __init__(self, clock: Clock, node_name: str) -> None:
-        """Starts with an executor that nobody spins yet."""
+        """Starts with an executor that nobody spins yet.
+
+        Raises:
+            BackendError: The name is none that ROS would take for a node.
+        """
+        check_node_name(node_name)
         self.node_name = node_name
         """The name under which the world sees it, its namespace in front if there is one."""
         self.clock = clock

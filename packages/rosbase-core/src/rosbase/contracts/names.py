@@ -1,21 +1,51 @@
-"""Topic names, checked and resolved as ROS 2 does, for every backend.
+"""Names of topics and nodes, checked and resolved as ROS 2 does, for every backend.
 
 Sources: design.ros2.org/articles/topic_and_service_names; rcl (`validate_topic_name.c`,
-`expand_topic_name.c`); rmw (`validate_full_topic_name.c`).
+`expand_topic_name.c`); rmw (`validate_full_topic_name.c`, `validate_node_name.c`).
 """
 
 import re
 
 from rosbase.errors import BackendError
 
-__all__ = ["MAX_TOPIC_LENGTH", "resolve_topic"]
+__all__ = ["MAX_NODE_LENGTH", "MAX_TOPIC_LENGTH", "check_node_name", "resolve_topic"]
 
 MAX_TOPIC_LENGTH = 247
 """Characters of a full topic name: what DDS allows, less the prefix that ROS adds (rmw)."""
 
+MAX_NODE_LENGTH = MAX_TOPIC_LENGTH - len("//set_parameters_atomically")
+"""Characters of the name of a node: with more, its longest service has no name any more."""
+
 _SUBSTITUTION = re.compile(r"\{(\w*)\}", re.ASCII)
 _FOREIGN = re.compile(r"[^A-Za-z0-9_/~{}]")
+_FOREIGN_TO_NODES = re.compile(r"[^A-Za-z0-9_]")
 _SHOWN = 60
+
+
+def check_node_name(name: str) -> None:
+    """Refuse the name of a node that ROS would refuse.
+
+    Raises:
+        BackendError: It cannot be one; the line says why.
+    """
+    if not isinstance(name, str):
+        raise BackendError(f"{name!r} is not a node name: it is not text")
+    if fault := _node_fault(name):
+        raise BackendError(f"{_shown(name)} is not a node name: {fault}")
+
+
+def _node_fault(name: str) -> str:
+    if not name:
+        return "it is empty"
+    if foreign := _FOREIGN_TO_NODES.search(name):
+        better = _FOREIGN_TO_NODES.sub("_", name)
+        hint = f"; did you mean {better}?" if len(name) < _SHOWN and not _node_fault(better) else ""
+        return f"it has {foreign[0]!r}, and only letters, digits and _ are allowed{hint}"
+    if name[0].isdecimal():
+        return "it begins with a digit"
+    if len(name) > MAX_NODE_LENGTH:
+        return f"it has {len(name)} characters, and {MAX_NODE_LENGTH} are allowed"
+    return ""
 
 
 def resolve_topic(topic: str, node_name: str) -> str:
@@ -74,7 +104,9 @@ def _full_fault(name: str) -> str:
 
 
 def _not_a_name(topic: str, fault: str) -> BackendError:
-    shown = repr(topic)
-    if len(shown) > _SHOWN:
-        shown = f"{shown[: _SHOWN - 3]}..."
-    return BackendError(f"{shown} is not a topic name: {fault}")
+    return BackendError(f"{_shown(topic)} is not a topic name: {fault}")
+
+
+def _shown(name: str) -> str:
+    shown = repr(name)
+    return shown if len(shown) <= _SHOWN else f"{shown[: _SHOWN - 3]}..."

@@ -1,6 +1,6 @@
 """The parameters of a backend: declared once, checked whenever they are set."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from rosbase.errors import ParameterError
@@ -10,9 +10,10 @@ from rosbase.parameters import (
     ParameterValue,
     SetParametersResult,
     check_value,
+    did_you_mean,
 )
 
-__all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "refused"]
+__all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "name_undeclared", "refused"]
 
 OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
 """Gives a `SetParametersResult`, or rclpy's, for parameters that are about to be set."""
@@ -94,6 +95,10 @@ class ParameterStore(ParameterRules):
         self._values[spec.name] = Parameter(spec.name, value)
         return self._values[spec.name]
 
+    def name_undeclared(self, warn: Callable[[str], object]) -> None:
+        """Warn of overrides that no parameter has taken."""
+        name_undeclared(self._overrides, self._values, warn)
+
     def get(self, name: str) -> Parameter:
         """Return the parameter as it is now.
 
@@ -115,6 +120,22 @@ class ParameterStore(ParameterRules):
         if result.successful:
             self._values |= {parameter.name: parameter for parameter in checked}
         return result
+
+
+def name_undeclared(
+    given: Iterable[str], declared: Iterable[str], warn: Callable[[str], object]
+) -> None:
+    """Warn of parameters that are given to a node which has declared no such parameter.
+
+    Args:
+        given: The names of the parameters that are given.
+        declared: The names of those that the node has.
+        warn: Called with a line for each.
+    """
+    known = set(declared)
+    for name in sorted(set(given) - known):
+        hint = did_you_mean(name, known)
+        warn(f"parameter {name} is set from outside, and this node does not have it{hint}")
 
 
 def refused(reason: str) -> SetParametersResult:

@@ -9,6 +9,7 @@ from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore
 from rosbase.errors import BackendError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
+from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 
@@ -31,6 +32,10 @@ class LocalBackend(Backend):
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
         self._closed = False
+        if options.parameter_overrides:
+            logger = make_logger(options.node_name, None, options.clock)
+            # When the constructors have declared their parameters.
+            self.call_soon(lambda: self._parameters.name_undeclared(logger.warning))
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile

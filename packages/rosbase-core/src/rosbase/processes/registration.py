@@ -6,6 +6,7 @@ import weakref
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
+from rosbase.contracts.names import check_node_name
 from rosbase.errors import ConfigurationError
 from rosbase.logger import RosbaseLogger
 from rosbase.processes.child import ChildProcess
@@ -133,6 +134,7 @@ def register_multiprocess_nodes(
         The children, by name.
 
     Raises:
+        BackendError: The name of a node is none that ROS would take.
         ConfigurationError: A name stands for two, or is none of those given; or another
             process cannot find a node's class; or this is not a POSIX system.
         OSError: The machine refuses to start one. Those before it have been stopped.
@@ -201,6 +203,7 @@ def _launches(
     logger: RosbaseLogger,
 ) -> dict[str, Launch]:
     for name in nodes:
+        check_node_name(name)
         if name in commands:
             raise ConfigurationError(f"'{name}' is the name of a node and of a command")
     for name, command in commands.items():

@@ -1,8 +1,10 @@
 """Checks of a backend that has just been opened."""
 
 import logging
+from functools import partial
 
-from rosbase.contracts.backend import Backend
+from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.errors import BackendError
 from rosbase.lifecycle import State
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.runtime.executor import Executor
@@ -25,6 +27,17 @@ class OpeningChecks(BackendRig):
         backend = self.open()
         name = backend.node_name.rpartition("/")[2]
         promised.require(name == "kit", f"the node_name of `kit` is {backend.node_name!r}")
+
+    def test_wrong_node_names_are_errors(self) -> None:
+        promised = promise("wrong-node-names-are-errors")
+        for name in ("my-robot", "a/b", "1st", "", "n" * 221):
+            self.refuses(
+                promised,
+                BackendError,
+                partial(self._open_and_close, BackendOptions(name)),
+                f"a backend of the node {name[:20]!r}",
+                name[:20],
+            )
 
     def test_leaves_the_executor_alone(self) -> None:
         promised = promise("leaves-the-executor-alone")
@@ -72,6 +85,9 @@ class OpeningChecks(BackendRig):
         self.on_thread(promised, lambda: _log(backend), "log_handler, on another thread,")
         backend.close()
         self.raises_nothing(promised, lambda: _log(backend), "log_handler, after close,")
+
+    def _open_and_close(self, options: BackendOptions) -> None:
+        self.make_backend(options).close()
 
     def _live(self, backend: Backend) -> None:
         node = LifecycleNode(backend=backend)

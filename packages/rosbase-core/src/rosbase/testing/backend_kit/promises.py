@@ -113,6 +113,11 @@ _SENTENCES = {
     ),
     "timers-wake-the-spinner": "a timer that another thread creates wakes a spinner that waits",
     "wrong-periods-are-errors": "a period that is no positive, finite number is a ValueError",
+    # Names.
+    "wrong-node-names-are-errors": (
+        "a node name that ROS refuses is a BackendError of one line that shows it, and nothing"
+        " is opened"
+    ),
     # Parameters.
     "parameters-keep-their-kind": "a declared parameter has its default, of the kind declared",
     "overrides-win": "an override wins over the default, as a value of the parameter's kind",
