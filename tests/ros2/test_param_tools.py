@@ -121,7 +121,16 @@ def test_the_dump_of_a_reader_gives_the_same_reader(
     path = device.parameters["device_path"]
     arguments = [
         *("-p", f"device_path:={path}", "-p", "plausibility:=off", "-p", "dtr:=off"),
-        *("-p", "frame_id:=no", "-p", "mapping.orientation.paths:=[]", "-p", "stale_timeout:=2"),
+        *(
+            "-p",
+            "mqtt_version:=5",
+            "-p",
+            "frame_id:=no",
+            "-p",
+            "mapping.orientation.paths:=[]",
+            "-p",
+            "stale_timeout:=2",
+        ),
         *("-p", "mapping.linear_acceleration.paths:=[x, y, z]"),
         *("-p", "mapping.linear_acceleration.unit:=m/s^2", "-p", "mapping.required:=[]"),
     ]
