@@ -18,6 +18,7 @@ from rosbase_ros2.backend import Ros2Backend
 from support.command import RunningRosbase
 from support.ros import Client, Open, ParameterTool, params_file
 from support.strategies import texts, yaml_scalars
+from support.waiting import wait_until
 
 AWKWARD = ["", "off", "y", "NO", "0042", "089", "1e3", "12:30", "~", "null", ".inf", "0x1F", "#"]
 VALUES: dict[ParameterKind, list[Any]] = {
@@ -110,6 +111,8 @@ def reader_with(context: Any, *arguments: str) -> Iterator[ParameterTool]:
     """A reader that others drive, and the tool at its parameters."""
     with RunningRosbase("imu", "--backend", "ros2", "--managed", "--ros-args", *arguments) as run:
         with tool(context, "lifecycle_manager") as param:
+            # The services are there before the parameters are, and before the main loop runs.
+            wait_until(lambda: param.set("orientation_stddev", "[]").successful, "the main loop")
             yield param
         assert run.end(2) == 0
     assert not any("Traceback" in line for line in run.err.lines)

@@ -182,6 +182,46 @@ def test_what_rcl_says_of_a_file_names_the_user_s(opened: Open, tmp_path: Path) 
     assert "/proc" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "driver: &a\n  ros__parameters: *a\n",
+        "driver:\n  ros__parameters:\n    a: &a {x: 1}\n    b: *a\n",
+        "driver:\n  ros__parameters: {a: &a {x: 1}, b: &b [*a, *a], c: [*b, *b]}\n",
+    ],
+)
+def test_aliases_are_left_to_rcl_which_refuses_them(
+    opened: Open, tmp_path: Path, text: str
+) -> None:
+    with pytest.raises(BackendError, match=r"(?i)alias") as caught:
+        opened("--params-file", params_file(tmp_path, text))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "5\n", "\ufeff# nothing\n"])
+def test_a_file_without_parameters_changes_nothing(opened: Open, tmp_path: Path, text: str) -> None:
+    assert declared(opened("--params-file", params_file(tmp_path, text)), TEXT) == "a"
+
+
+@pytest.mark.parametrize(
+    "text", ["---\n", "- a\n", "a: {b: }\n", "a: [b\n", "driver:\n\trate: 1\n", "? [a]\n"]
+)
+def test_a_file_that_is_none_is_refused_by_rcl(opened: Open, tmp_path: Path, text: str) -> None:
+    file = params_file(tmp_path, text)
+    with pytest.raises(BackendError, match="ROS 2 does not start") as caught:
+        opened("--params-file", file)
+    assert file in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_lines_that_end_as_on_windows_are_taken(opened: Open, tmp_path: Path) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_bytes(b"driver:\r\n  ros__parameters:\r\n    paths: [x, y]\r\n    text: no\r\n")
+    backend = opened("--params-file", str(file))
+    assert declared(backend, PATHS) == ["x", "y"]
+    assert declared(backend, TEXT) == "no"
+
+
 def test_a_file_of_launch_has_lost_how_values_were_written(opened: Open, tmp_path: Path) -> None:
     # launch reads `no` and `0042` as YAML, and writes what it has guessed.
     file = tmp_path / "launch_params_x1"

@@ -11,9 +11,18 @@ from attrs import frozen
 from rosbase import Written, WrittenText
 from rosbase_ros2.written.guess import is_mixed
 
-__all__ = ["Entry", "Sections", "entries", "for_rcl", "read_documents", "read_value"]
+__all__ = [
+    "Entry",
+    "Sections",
+    "entries",
+    "for_rcl",
+    "quoted",
+    "read_documents",
+    "read_value",
+    "written_of",
+]
 
-PARAMETERS = "ros__parameters"
+_PARAMETERS = "ros__parameters"
 _BINARY = "tag:yaml.org,2002:binary"
 _STRING = "tag:yaml.org,2002:str"
 _QUOTES = ("'", '"')
@@ -33,10 +42,19 @@ class Entry:
     node: yaml.Node
 
 
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+    """Refuses aliases, as rcl does: a small file could stand for a tree without end."""
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("an alias")
+        return super().compose_node(parent, index)
+
+
 def read_documents(text: str) -> list[yaml.Node]:
     """The documents of a file; none if it is not YAML, of which rcl says why."""
     try:
-        return [node for node in yaml.compose_all(text, Loader=yaml.SafeLoader) if node]
+        return [node for node in yaml.compose_all(text, Loader=_Loader) if node]
     except (yaml.YAMLError, ValueError, RecursionError):
         return []
 
@@ -51,9 +69,11 @@ def read_value(text: str) -> Written:
     """What stands behind `:=`; as a whole it is text where it is no scalar and no flat list."""
     documents = read_documents(text)
     written = _written(documents[0]) if len(documents) == 1 else None
-    items = (written,) if isinstance(written, WrittenText) else written
-    has_null = items is None or any(not item.text and not item.is_quoted for item in items)
-    return WrittenText(text, is_quoted=True) if written is None or has_null else written
+    if written is not None:
+        items = (written,) if isinstance(written, WrittenText) else written
+        if all(item.text or item.is_quoted for item in items):
+            return written
+    return WrittenText(text, is_quoted=True)
 
 
 def written_of(node: yaml.Node, *, is_dumped: bool) -> Written | None:
@@ -107,7 +127,7 @@ def _is_mixed(node: yaml.Node) -> bool:
 def _sections(node: yaml.Node, path: tuple[str, ...]) -> Iterator[Entry]:
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
-            if key.value == PARAMETERS:
+            if key.value == _PARAMETERS:
                 yield from _parameters(value, "/".join(path), "")
             else:
                 yield from _sections(value, (*path, str(key.value)))
