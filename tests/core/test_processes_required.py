@@ -1,6 +1,8 @@
 """Children without which the program is not to go on."""
 
+import os
 import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +10,7 @@ import pytest
 
 from rosbase import BaseManager, BaseNode, register_multiprocess_nodes
 from rosbase.errors import ConfigurationError
+from support.blocking_program import BLOCKING_PROGRAM
 from support.program import running
 
 APP = """
@@ -137,6 +140,36 @@ def test_a_required_child_that_ends_during_the_handshake_ends_it(tmp_path: Path)
     status, out, err = run(tmp_path, "{'x': Broken}, {}, required=True", rules)
     assert (status, out) == (1, CLEAN_UP), err
     assert "ValueError: no lens" in err
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        *("handle", "handshake", "callback", "on_configure", "loop in handle", "recv in handle"),
+        *("spin in handle", "spin in handshake", "stubborn in handle", "input in handle"),
+    ],
+)
+def test_the_end_of_a_required_child_ends_code_that_blocks(place: str, tmp_path: Path) -> None:
+    command = f"while [ ! -e {tmp_path}/go ]; do sleep 0.02; done; exit 5"
+    source = (
+        "from rosbase import register_multiprocess_nodes\n"
+        f"processes = register_multiprocess_nodes({{}}, {{'x': '{command}'}}, required=True)\n"
+        + BLOCKING_PROGRAM.replace("main_loop_timer()", "main_loop_timer(processes)")
+    )
+    main, terminal = os.openpty()
+    with running(tmp_path, source, place, stdin=terminal) as program:
+        program.read_until("blocking")
+        (tmp_path / "go").touch()
+        since = time.monotonic()
+        status, out, err = program.end()
+        took_s = time.monotonic() - since
+    os.close(main)
+    os.close(terminal)
+    # Half a second in which the whole program may be asked to stop, and half of patience.
+    assert took_s < 5.0
+    assert (status, err.count("Traceback")) == (5, 0), err
+    assert out.replace("name? ", "").splitlines()[-2:] == ["arm shut down", "released"]
+    assert "x: is required, so the program ends" in err
 
 
 def test_the_first_required_child_that_ends_gives_the_status(tmp_path: Path) -> None:

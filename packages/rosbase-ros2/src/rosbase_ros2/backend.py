@@ -35,6 +35,7 @@ from rosbase_ros2.clock import RosClock
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import Retirement, await_delivery
 from rosbase_ros2.given import given_parameters, name_strange_files
+from rosbase_ros2.host import Host
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
@@ -95,7 +96,13 @@ class Ros2Backend(Backend):
         self._subscriptions: list[RosSubscription] = []
         self._services: list[LifecycleServices] = []
         self._closed = False
-        self._spinner = Spinner(self._context, self.node, self._report)
+        self._host = Host(self._logger.info)
+        self._spinner = Spinner(
+            self._context,
+            self.node,
+            self._report,
+            lambda: self._host.shut_down("the context of the node has been shut down"),
+        )
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: Any) -> Publisher:
         """A publisher of rosbase messages, which are converted, or of native ROS ones.
@@ -168,6 +175,17 @@ class Ros2Backend(Backend):
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` on the main loop before parameters are set, by whomever."""
         self._parameters.add_callback(callback)
+
+    def begin_run(self, request_stop: Callable[[], object]) -> None:
+        """End the run when the program shuts rclpy down, in whatever way."""
+        if self._host.begin_run(request_stop):
+            self._spinner.look_now_and_then(self._host.look)
+        if not self._context.ok():
+            request_stop()
+
+    def end_run(self) -> None:
+        """Shut rclpy down, if the program has initialised it: `rclpy.ok()` is false from now on."""
+        self._host.end_run()
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Offers the five services and the topic by which the ROS tools drive a managed node."""

@@ -11,10 +11,13 @@ from typing import Any
 
 from rclpy.executors import SingleThreadedExecutor
 
+from rosbase import SystemClock
+
 __all__ = ["Spinner"]
 
 # It is woken by a task.
 _LONG_S = 3600.0
+_LOOK_S = 0.2
 # A program ends within two seconds, whatever a callback of rclpy's is busy with: these add up.
 _CALL_S = 0.1
 _END_S = 0.5
@@ -23,19 +26,31 @@ _END_S = 0.5
 class Spinner:
     """Spins one rclpy node until it is closed."""
 
-    def __init__(self, context: Any, node: Any, report: Callable[[BaseException], object]) -> None:
+    def __init__(
+        self,
+        context: Any,
+        node: Any,
+        report: Callable[[BaseException], object],
+        on_context_end: Callable[[], object],
+    ) -> None:
         """Starts to spin.
 
         Args:
             context: The node's rclpy context.
             node: The rclpy node.
             report: Called with what a callback of somebody else's raised; spinning goes on.
+            on_context_end: Called on this thread when the context ends before this does.
         """
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(node)
         self._context = context
         self._node = node
         self._report = report
+        self._on_context_end = on_context_end
+        self._patience_s = _LONG_S
+        self._look: Callable[[], object] | None = None
+        self._look_due_ns = 0
+        self._clock = SystemClock()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
         self._thread.start()
@@ -61,6 +76,14 @@ class Spinner:
         self.executor.create_task(run)
         done.wait(patience_s)
 
+    def look_now_and_then(self, look: Callable[[], object]) -> None:
+        """Call `look` several times a second, on this thread, from now on."""
+
+        def begin() -> None:
+            self._look, self._patience_s = look, _LOOK_S
+
+        self.call(begin)
+
     def close(self) -> bool:
         """Ends the thread; tells whether it has ended in time."""
         # What is ready goes first, such as the answer to who asked for the last transition.
@@ -79,10 +102,20 @@ class Spinner:
         # A program can end the context itself: nothing comes in then.
         while not self._ending and self._context.ok():
             try:
-                self.executor.spin_once(timeout_sec=_LONG_S)
+                self.executor.spin_once(timeout_sec=self._patience_s)
             except Exception as error:
                 if self._context.ok():
                     self._report(error)
+            if self._look is not None:
+                self._look_if_due(self._look)
+        if not self._ending:
+            self._on_context_end()
+
+    def _look_if_due(self, look: Callable[[], object]) -> None:
+        now_ns = self._clock.monotonic_ns()
+        if now_ns >= self._look_due_ns:
+            self._look_due_ns = now_ns + int(_LOOK_S * 1e9)
+            look()
 
 
 def _nothing() -> None:

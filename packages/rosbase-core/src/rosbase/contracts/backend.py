@@ -5,8 +5,8 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `add_on_set_parameters_callback`, `close`.
 
 May implement, where the world has more to it than this process: `delivers_in_process`,
-`log_handler`, `expose_lifecycle`, `imu_sender`, `create_timer`, `destroy_timer`. May set, before
-the constructor returns: `node_name`, `clock`.
+`log_handler`, `begin_run`, `end_run`, `expose_lifecycle`, `imu_sender`, `create_timer`,
+`destroy_timer`. May set, before the constructor returns: `node_name`, `clock`.
 
 Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`,
 `is_in_virtual_time`.
@@ -252,6 +252,20 @@ class Backend(ABC):
     thread; where the application has set up no logging, its level is the least for both. The
     message is one line of printable characters, with a traceback indented below it. It must
     raise nothing, also after `close`. Set before the constructor returns."""
+
+    def begin_run(self, request_stop: Callable[[], object]) -> None:  # noqa: B027 - as below
+        """Note that a manager or lone node begins to spin.
+
+        Args:
+            request_stop: For a world that can end a program: ends it in order. From any thread.
+        """
+
+    def end_run(self) -> None:  # noqa: B027 - as below
+        """End what keeps the rest of the program going in the same world, beside this backend.
+
+        Called when a manager or lone node ends: before its clean-up if it was told to from outside
+        the program, otherwise after `close`; and when a signal ends its constructor.
+        """
 
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Lets the outside see and drive the lifecycle of a node of this backend.

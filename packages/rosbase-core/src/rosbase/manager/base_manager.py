@@ -26,7 +26,7 @@ from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
-from rosbase.roles.shutdown import name_threads_left, run_steps
+from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -104,6 +104,10 @@ class BaseManager(Constructed):
         )
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
+
+    def _end_program(self) -> None:
+        if hasattr(self, "backend"):
+            self.backend.end_run()
 
     def _abandon(self) -> None:
         """Give back what a constructor that failed has taken."""
@@ -255,7 +259,8 @@ class BaseManager(Constructed):
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         try:
-            self._claim(processes)
+            self.backend.begin_run(self.request_stop)
+            self._claim(processes, stop)
             self._wait_for_handshake()
             bring_up(self._lifecycle_nodes(), self._is_stopping)
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
@@ -269,8 +274,7 @@ class BaseManager(Constructed):
             )
         except BaseException as error:
             failure = self._shut_down(processes, stop)
-            is_wish = isinstance(error, KeyboardInterrupt) and stop is not None and stop.was_asked
-            if not is_wish:
+            if not is_wish(error, stop):
                 raise
         else:
             failure = self._shut_down(processes, stop)
@@ -287,10 +291,14 @@ class BaseManager(Constructed):
         """Ends the connection of this manager. The main loop does it; harmless when done."""
         self.backend.close()
 
-    def _claim(self, processes: ChildProcesses | None) -> None:
+    def _claim(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         if isinstance(processes, ChildProcesses):
             self._processes = processes
-            processes.claim(self.logger, self.request_stop)
+            on_required_end = self.request_stop
+            if stop is not None and any(child.is_required for child in processes.values()):
+                stop.prepare_for_children()
+                on_required_end = stop.child_has_ended
+            processes.claim(self.logger, on_required_end)
             if self._stop_requests:
                 # Asked for before it was known whom else this concerns.
                 processes.stopping_soon()
@@ -368,6 +376,7 @@ class BaseManager(Constructed):
             ],
             self.logger,
             stop,
+            ("the backend's world", self.backend.end_run),
         )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rosbase.contracts.backend import Backend
+from rosbase.roles.shutdown import is_wish
 from rosbase.runtime.stopping import StopSignals, stop_on_signals
 
 __all__ = ["Constructed", "constructor"]
@@ -24,6 +25,9 @@ class Constructed:
 
     def _abandon(self) -> None:
         """Undo what the constructor has done so far."""
+
+    def _end_program(self) -> None:
+        """End what would keep the rest of the program going, because a signal has ended this."""
 
 
 def constructor(init: InitT) -> InitT:
@@ -60,7 +64,7 @@ def _construct(
             return
     except BaseException as error:
         _undo(constructed, stop)
-        if stop is None or not stop.was_asked or not isinstance(error, KeyboardInterrupt):
+        if not is_wish(error, stop):
             raise
     else:
         _undo(constructed, stop)
@@ -71,6 +75,8 @@ def _construct(
 def _undo(constructed: Constructed, stop: StopSignals | None) -> None:
     if stop is not None:
         stop.begin_clean_up()
+        if stop.was_asked:
+            constructed._end_program()
     constructed._abandon()
 
 

@@ -13,7 +13,7 @@ from rosbase.roles.callables import check_callback
 from rosbase.roles.connection import lone_node_name, open_backend
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
-from rosbase.roles.shutdown import run_steps
+from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
 __all__ = ["BaseNode"]
@@ -182,6 +182,10 @@ class BaseNode(Constructed, Component):
         if self.manager is None:
             self._backend.close()
 
+    def _end_program(self) -> None:
+        if hasattr(self, "_backend"):
+            self._backend.end_run()
+
     def _abandon(self) -> None:
         """Give back what a constructor that failed has taken."""
         if self.__dict__.get("manager") is None and hasattr(self, "_backend"):
@@ -189,14 +193,14 @@ class BaseNode(Constructed, Component):
 
     def _run(self, stop: StopSignals | None) -> None:
         try:
+            self._backend.begin_run(self._request_stop)
             self._begin()
             while not self._stop_requested:
                 deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                 self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
         except BaseException as error:
             failure = self._shut_down(stop)
-            is_wish = isinstance(error, KeyboardInterrupt) and stop is not None and stop.was_asked
-            if not is_wish:
+            if not is_wish(error, stop):
                 raise
         else:
             failure = self._shut_down(stop)
@@ -218,6 +222,7 @@ class BaseNode(Constructed, Component):
             ],
             self.logger,
             stop,
+            ("the backend's world", self._backend.end_run),
         )
 
     def _request_stop(self) -> None:

@@ -2,20 +2,24 @@
 
 import threading
 from collections.abc import Callable, Iterable
+from typing import TypeAlias
 
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.stopping import StopSignals
 
-__all__ = ["name_threads_left", "run_steps"]
+__all__ = ["is_wish", "name_threads_left", "run_steps"]
+
+Step: TypeAlias = tuple[str, Callable[[], object]]
 
 # For threads that are about to end.
 _THREADS_S = 0.2
 
 
 def run_steps(
-    steps: Iterable[tuple[str, Callable[[], object]]],
+    steps: Iterable[Step],
     logger: RosbaseLogger,
     stop: StopSignals | None = None,
+    end_run: Step | None = None,
 ) -> BaseException | None:
     """Run the named steps in order.
 
@@ -23,18 +27,24 @@ def run_steps(
         steps: What each is called, and what it does.
         logger: Logs each exception with its traceback.
         stop: The signals that may end a step that blocks.
+        end_run: Ends the rest of the program. It comes first if the program was told to end from
+            outside, because what the other steps wait for may wait for this one; otherwise last.
 
     Returns:
         The first exception that one of them raised; none for a step that a signal ended.
     """
     first: BaseException | None = None
+    steps = list(steps)
+    if end_run is not None:
+        is_first = stop is not None and stop.came_from_outside
+        steps.insert(0 if is_first else len(steps), end_run)
     if stop is not None:
         stop.begin_clean_up()
     for name, step in steps:
         try:
             step()
         except BaseException as error:
-            if stop is not None and stop.was_asked and isinstance(error, KeyboardInterrupt):
+            if is_wish(error, stop):
                 logger.warning(f"shutdown: {name} was interrupted by a signal")
             else:
                 logger.error(f"shutdown: {name} failed: {error}", exc_info=error)
@@ -42,6 +52,11 @@ def run_steps(
         if stop is not None:
             stop.begin_step()
     return first
+
+
+def is_wish(error: BaseException, stop: StopSignals | None) -> bool:
+    """Tell whether an exception is how a wish to stop has ended code that blocked."""
+    return isinstance(error, KeyboardInterrupt) and stop is not None and stop.came_from_outside
 
 
 def name_threads_left(known: Iterable[threading.Thread], logger: RosbaseLogger) -> None:

@@ -48,6 +48,7 @@ class Interrupt:
         self._clock = SystemClock()
         self._due_ns: int | None = None
         self._is_deferred = self._is_knocking = self._has_thread = self._repeats = False
+        self._is_prepared = False
         self._handler_before: Any = None
         # Held while the thread knocks: after `disarm`, no knock is on its way.
         self._knock_lock = threading.Lock()
@@ -55,7 +56,7 @@ class Interrupt:
     def arm(self, delay_s: float, *, repeats: bool) -> None:
         """Raise after that time, and with `repeats` again every half second.
 
-        For the main thread, its signal handlers included.
+        For the main thread, its signal handlers included; for other threads after `prepare`.
         """
         self._repeats = repeats
         self._due_ns = self._clock.monotonic_ns() + int(delay_s * 1e9)
@@ -63,17 +64,31 @@ class Interrupt:
         if self._has_thread or _KNOCK is None:
             return
         self._has_thread = True
-        self._handler_before = signal.signal(_KNOCK, self._handle)
+        self.prepare()
         # Not `threading.Thread`, whose start takes locks that the interrupted code may hold.
         _thread.start_new_thread(self._knock_until_disarmed, ())
+
+    def prepare(self) -> None:
+        """Let other threads arm it, until it is disarmed. For the main thread."""
+        if not self._is_prepared and _KNOCK is not None:
+            self._is_prepared = True
+            self._handler_before = signal.signal(_KNOCK, self._handle)
+
+    def arm_from_thread(self, delay_s: float) -> None:
+        """Arm it once, on any thread, if it has been prepared and not disarmed since."""
+        with self._knock_lock:
+            if self._is_prepared and self._due_ns is None:
+                self.arm(delay_s, repeats=True)
 
     def disarm(self) -> None:
         """Raise no more. For the main thread, outside of a signal handler."""
         self._due_ns = None
-        if not self._has_thread or _KNOCK is None:
+        if not self._is_prepared or _KNOCK is None:
             return
         with self._knock_lock:
-            self._has_thread = False
+            # Another thread may have armed it meanwhile.
+            self._due_ns = None
+            self._has_thread = self._is_prepared = False
         # A knock that has been sent is handled before the handler is taken away.
         for _ in range(_DRAIN_TRIES):
             if not self._is_knocking:

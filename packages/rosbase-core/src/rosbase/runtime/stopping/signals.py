@@ -14,8 +14,11 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
+from attrs import frozen
+
 from rosbase.clock import SystemClock
 from rosbase.runtime.stopping.interrupt import Defer, Interrupt
+from rosbase.runtime.stopping.native import is_same_handler, read_handler, write_handler
 from rosbase.runtime.stopping.wishes import Wishes
 
 __all__ = ["StopSignals", "stop_on_signals"]
@@ -46,11 +49,31 @@ class StopSignals:
         self._wishes = Wishes()
         self._interrupt = Interrupt(lambda frame: KeyboardInterrupt(), defer)
         self._cleans_up = False
+        self._ended_with_a_child = False
 
     @property
     def was_asked(self) -> bool:
         """Whether a signal has asked for the stop."""
         return self._wishes.count > 0
+
+    @property
+    def came_from_outside(self) -> bool:
+        """Whether a signal has asked for the stop, or the end of a required child."""
+        return self.was_asked or self._ended_with_a_child
+
+    def prepare_for_children(self) -> None:
+        """Let the end of a required child interrupt the main thread, if this is the main thread."""
+        if threading.current_thread() is threading.main_thread():
+            self._interrupt.prepare()
+
+    def child_has_ended(self) -> None:
+        """Ask for the stop because a required child has ended. On any thread.
+
+        User code that blocks is interrupted as by the first wish.
+        """
+        self._ended_with_a_child = True
+        self._request_stop()
+        self._interrupt.arm_from_thread(_PATIENCE_S)
 
     def begin_clean_up(self) -> None:
         """Interrupt nothing more that the first wish was for."""
@@ -95,7 +118,8 @@ def stop_on_signals(
     Args:
         request_stop: As in `StopSignals`.
         defer: As in `StopSignals`.
-        yields_to_outer: Whether nothing changes within such a context either.
+        yields_to_outer: Whether nothing changes within such a context either. Afterwards, handlers
+            of C libraries are back too, which after a run would be those of what has ended.
     """
     stop = StopSignals(request_stop, defer)
     is_main = threading.current_thread() is threading.main_thread()
@@ -107,7 +131,7 @@ def stop_on_signals(
         yield stop
     finally:
         stop.end()
-        _handlers.remove(before, is_quiet=stop.was_asked)
+        _handlers.remove(before, is_quiet=stop.was_asked, is_native_kept=yields_to_outer)
 
 
 class _Handlers:
@@ -119,26 +143,29 @@ class _Handlers:
         self._quiet_until_ns = 0
         self._after_quiet: Mapping[int, Any] = {}
 
-    def install(self, stop: StopSignals) -> Mapping[int, Any]:
+    def install(self, stop: StopSignals) -> "_Before":
         """Put the handlers of a run in place; return the handlers from before."""
         self._end_quiet()
         self.active += 1
-        return {
-            number: signal.signal(number, stop.handle)
+        numbers = [
+            number
             for number in _SIGNALS
             if number != _HANGUP or signal.getsignal(number) is not signal.SIG_IGN
-        }
+        ]
+        native = {number: read_handler(number) for number in numbers}
+        handlers = {number: signal.signal(number, stop.handle) for number in numbers}
+        return _Before(handlers, native, {number: read_handler(number) for number in numbers})
 
-    def remove(self, before: Mapping[int, Any], *, is_quiet: bool) -> None:
+    def remove(self, before: "_Before", *, is_quiet: bool, is_native_kept: bool) -> None:
         """Put the handlers from before back, at once or after a second without signals."""
         self.active -= 1
         if is_quiet:
             self._quiet_until_ns = _clock.monotonic_ns() + _QUIET_NS
         if not is_quiet and not self._after_quiet:
-            _set(before)
+            before.put_back(is_native_kept=is_native_kept)
             return
-        self._after_quiet = before
-        _set(dict.fromkeys(before, self._ignore_for_now))
+        self._after_quiet = before.handlers
+        _set(dict.fromkeys(before.handlers, self._ignore_for_now))
 
     def ignore_to_the_end(self) -> None:
         """Keep Python, which puts the system's handlers back when it ends, from doing so."""
@@ -159,6 +186,29 @@ class _Handlers:
             handler(signum, frame)
         elif handler is signal.SIG_DFL:
             os.kill(os.getpid(), signum)
+
+
+@frozen
+class _Before:
+    """The handlers from before a run."""
+
+    handlers: Mapping[int, Any]
+    """Those that Python knows."""
+    native: Mapping[int, bytes]
+    """Those that the system knows."""
+    ours: Mapping[int, bytes]
+    """What the system knows of a run's."""
+
+    def put_back(self, *, is_native_kept: bool) -> None:
+        """Put them back; one that a library has installed during the run stays."""
+        if not is_native_kept:
+            _set(self.handlers)
+            return
+        now = {number: read_handler(number) for number in self.handlers}
+        _set(self.handlers)
+        for number, handler in now.items():
+            is_ours = is_same_handler(handler, self.ours[number])
+            write_handler(number, self.native[number] if is_ours else handler)
 
 
 def _set(handlers: Mapping[int, Any]) -> None:
