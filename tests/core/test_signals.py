@@ -10,8 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rosbase.runtime.stopping.signals as stopping
+from rosbase import BaseManager
 from rosbase.runtime.stopping import Wishes
-from support.blocking_program import BLOCKING_PROGRAM
+from support.blocking_program import (
+    BLOCKING_PROGRAM,
+    expect_a_clean_end,
+    expect_a_named_thread,
+    expect_the_end_of_an_input,
+)
 from support.program import running
 
 # A campaign sets more.
@@ -31,27 +38,12 @@ PLACES = [
 def test_a_signal_ends_code_that_blocks_and_the_whole_clean_up_runs(
     place: str, signum: int, tmp_path: Path
 ) -> None:
-    with running(tmp_path, BLOCKING_PROGRAM, place) as program:
-        program.read_until("blocking")
-        took_s, status, out, err = program.stop(signum)
-    assert (status, err.count("Traceback")) == (0, 0), err
-    assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    # Half a second of patience; code that cannot be interrupted takes its time.
-    assert took_s < (20.0 if place.startswith("native") else 5.0)
+    expect_a_clean_end(tmp_path, BLOCKING_PROGRAM, place, signum)
 
 
-def test_a_signal_ends_an_input_on_a_terminal(tmp_path: Path) -> None:
-    main, terminal = os.openpty()
-    try:
-        with running(tmp_path, BLOCKING_PROGRAM, "input in handle", stdin=terminal) as program:
-            program.read_until("blocking")
-            took_s, status, out, err = program.stop(signal.SIGINT)
-    finally:
-        os.close(main)
-        os.close(terminal)
-    assert (status, err.count("Traceback")) == (0, 0), err
-    assert out.replace("name? ", "").splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    assert took_s < 4.0
+@pytest.mark.parametrize("signum", SIGNALS)
+def test_a_signal_ends_an_input_on_a_terminal(signum: int, tmp_path: Path) -> None:
+    expect_the_end_of_an_input(tmp_path, BLOCKING_PROGRAM, signum)
 
 
 @pytest.mark.parametrize("signum", SIGNALS)
@@ -66,6 +58,56 @@ def test_a_signal_in_a_constructor_undoes_it_and_ends_quietly(
     # The camera whose own constructor blocked was never built.
     assert out.splitlines() == (["camera released"] if place == "own constructor" else [])
     assert took_s < 4.0
+
+
+def test_a_signal_at_the_very_end_of_a_constructor_is_not_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    put_back = stopping._Before.put_back
+
+    def put_back_late(before: stopping._Before, **options: bool) -> None:
+        signal.raise_signal(signal.SIGTERM)
+        put_back(before, **options)
+
+    monkeypatch.setattr(stopping._Before, "put_back", put_back_late)
+    handler = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(SystemExit) as end:
+        BaseManager()
+    assert not end.value.code
+    assert signal.getsignal(signal.SIGTERM) is handler
+
+
+C_HANDLER = """
+import ctypes, os, signal, sys, time
+from rosbase import BaseHandlers, BaseManager
+
+exit_at_once = ctypes.CFUNCTYPE(None, ctypes.c_int)(lambda number: os._exit(7))
+signal.signal(signal.SIGTERM, signal.SIG_DFL)
+ctypes.CDLL(None).signal(signal.SIGTERM, exit_at_once)
+
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        print("running", flush=True)
+        self.manager.request_stop()
+
+
+manager = BaseManager(handlers_class=Handlers)
+if sys.argv[1] == "run":
+    manager.start_main_loop_timer()
+print("waiting", flush=True)
+time.sleep(100)
+"""
+
+
+@pytest.mark.parametrize(("what", "status"), [("build", 7), ("run", -signal.SIGTERM)])
+def test_a_handler_of_a_c_library_is_back_after_a_constructor_and_gone_after_a_run(
+    what: str, status: int, tmp_path: Path
+) -> None:
+    # After a run the library may have ended with it, as rclpy has; Python's handlers are back.
+    with running(tmp_path, C_HANDLER, what) as program:
+        program.read_until("waiting")
+        assert program.stop(signal.SIGTERM)[1] == status
 
 
 @pytest.mark.parametrize("signum", [*SIGNALS, signal.SIGHUP])
@@ -169,13 +211,11 @@ def test_a_signal_while_python_ends_after_a_signal_changes_nothing(tmp_path: Pat
     assert (status, err) == (0, "")
 
 
-def test_a_thread_that_never_ends_is_named_and_the_manager_returns(tmp_path: Path) -> None:
-    with running(tmp_path, BLOCKING_PROGRAM, "thread") as program:
-        program.read_until("running")
-        took_s, status, out, err = program.stop(signal.SIGINT)
-    assert (status, out.splitlines()[-1]) == (0, "returned")
-    assert "thread 'logger of the arm' still runs" in err
-    assert took_s < 4.0
+@pytest.mark.parametrize("signum", SIGNALS)
+def test_a_thread_that_never_ends_is_named_and_the_manager_returns(
+    signum: int, tmp_path: Path
+) -> None:
+    expect_a_named_thread(tmp_path, BLOCKING_PROGRAM, signum)
 
 
 @pytest.mark.parametrize("number", range(RUNS))

@@ -5,7 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from support.blocking_program import BLOCKING_PROGRAM
+from support.blocking_program import (
+    BLOCKING_PROGRAM,
+    expect_a_clean_end,
+    expect_a_named_thread,
+    expect_the_end_of_an_input,
+)
 from support.program import running
 
 PROGRAM = f"""
@@ -14,7 +19,12 @@ import warnings
 warnings.simplefilter("ignore", DeprecationWarning)
 {BLOCKING_PROGRAM}
 """
-PLACES = ["handle", "handshake", "callback", "on_configure", "spin in handle", "native in handle"]
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+PLACES = [
+    *("handle", "handshake", "callback", "on_configure"),
+    *("loop in handle", "spin in handle", "native in handle"),
+    *("loop in handshake", "spin in handshake"),
+]
 
 
 @pytest.fixture(autouse=True)
@@ -22,20 +32,27 @@ def on_ros(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROSBASE_BACKEND", "ros2")
 
 
-@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("signum", SIGNALS)
 @pytest.mark.parametrize("place", PLACES)
 def test_a_signal_ends_code_that_blocks_and_the_whole_clean_up_runs(
     place: str, signum: int, tmp_path: Path
 ) -> None:
-    with running(tmp_path, PROGRAM, place) as program:
-        program.read_until("blocking")
-        took_s, status, out, err = program.stop(signum)
-    assert (status, err.count("Traceback")) == (0, 0), err
-    assert out.splitlines()[-3:] == ["arm shut down", "released", "returned"]
-    assert took_s < (20.0 if place.startswith("native") else 5.0)
+    expect_a_clean_end(tmp_path, PROGRAM, place, signum)
 
 
-@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("signum", SIGNALS)
+def test_a_signal_ends_an_input_on_a_terminal(signum: int, tmp_path: Path) -> None:
+    expect_the_end_of_an_input(tmp_path, PROGRAM, signum)
+
+
+@pytest.mark.parametrize("signum", SIGNALS)
+def test_a_thread_that_never_ends_is_named_and_the_manager_returns(
+    signum: int, tmp_path: Path
+) -> None:
+    expect_a_named_thread(tmp_path, PROGRAM, signum)
+
+
+@pytest.mark.parametrize("signum", SIGNALS)
 @pytest.mark.parametrize("place", ["constructor", "own constructor"])
 def test_a_signal_in_a_constructor_undoes_it_and_ends_quietly(
     place: str, signum: int, tmp_path: Path

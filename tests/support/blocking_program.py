@@ -1,4 +1,14 @@
-"""A program with every role, which blocks in the place that its argument names."""
+"""A program with every role, which blocks in the place that its argument names, and its end."""
+
+import os
+import time
+from pathlib import Path
+
+from support.program import running
+
+CLEAN_UP = ["arm shut down", "released", "returned"]
+# Two seconds are promised; busy machines need more.
+END_S = 5.0
 
 BLOCKING_PROGRAM = """
 import socket, sys, threading, time
@@ -31,7 +41,11 @@ def block():
             except BaseException:
                 pass
     elif PLACE.startswith("native"):
-        sum(range(40_000_000))
+        # Some two seconds within one call that does not let other threads run.
+        try:
+            sum(range(100_000_000))
+        finally:
+            print("interruptible", time.monotonic(), flush=True)
         time.sleep(100)
     elif PLACE.startswith("spin"):
         while True:
@@ -113,3 +127,44 @@ if PLACE == "after":
     print("still there", flush=True)
     time.sleep(100)
 """
+
+
+def expect_a_clean_end(folder: Path, source: str, place: str, signum: int) -> None:
+    """Expect that a signal ends code that blocks there, with the whole clean-up."""
+    with running(folder, source, place) as program:
+        program.read_until("blocking")
+        took_s, status, out, err = program.stop(signum)
+        ended = time.monotonic()
+    assert (status, err.count("Traceback")) == (0, 0), err
+    lines = out.splitlines()
+    assert lines[-3:] == CLEAN_UP
+    if place.startswith("native"):
+        # Code that cannot be interrupted takes its time.
+        since = next(line for line in lines if line.startswith("interruptible"))
+        took_s = ended - float(since.split()[1])
+    assert took_s < END_S
+
+
+def expect_the_end_of_an_input(folder: Path, source: str, signum: int) -> None:
+    """Expect that a signal ends an `input()` on a terminal, with the whole clean-up."""
+    main, terminal = os.openpty()
+    try:
+        with running(folder, source, "input in handle", stdin=terminal) as program:
+            program.read_until("blocking")
+            took_s, status, out, err = program.stop(signum)
+    finally:
+        os.close(main)
+        os.close(terminal)
+    assert (status, err.count("Traceback")) == (0, 0), err
+    assert out.replace("name? ", "").splitlines()[-3:] == CLEAN_UP
+    assert took_s < END_S
+
+
+def expect_a_named_thread(folder: Path, source: str, signum: int) -> None:
+    """Expect that a thread that never ends is named, and does not hold up the manager."""
+    with running(folder, source, "thread") as program:
+        program.read_until("running")
+        took_s, status, out, err = program.stop(signum)
+    assert (status, out.splitlines()[-3:]) == (0, CLEAN_UP), err
+    assert "thread 'logger of the arm' still runs" in err
+    assert took_s < END_S

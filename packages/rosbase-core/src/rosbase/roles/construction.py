@@ -49,6 +49,9 @@ def constructor(init: InitT) -> InitT:
                 return
             with stop_on_signals(_nothing, yields_to_outer=True) as stop:
                 _construct(self, stop, lambda: init(self, *args, **kwargs))
+            if stop.was_asked:
+                # It came while the handlers from before were put back.
+                _end_quietly(self, stop)
         finally:
             del self._is_under_construction
 
@@ -63,11 +66,14 @@ def _construct(
         if stop is None or not stop.was_asked:
             return
     except BaseException as error:
-        _undo(constructed, stop)
         if not is_wish(error, stop):
+            _undo(constructed, stop)
             raise
-    else:
-        _undo(constructed, stop)
+    _end_quietly(constructed, stop)
+
+
+def _end_quietly(constructed: Constructed, stop: StopSignals | None) -> None:
+    _undo(constructed, stop)
     # Not from the interrupt, which was only the way here.
     raise SystemExit(0) from None
 

@@ -130,8 +130,9 @@ def stop_on_signals(
     try:
         yield stop
     finally:
-        stop.end()
         _handlers.remove(before, is_quiet=stop.was_asked, is_native_kept=yields_to_outer)
+        # Only now: until then a signal may still arm it.
+        stop.end()
 
 
 class _Handlers:
