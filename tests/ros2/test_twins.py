@@ -1,6 +1,5 @@
 """Our node and one of rclpy are asked the same. The answers differ only as the README says."""
 
-import signal
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -9,24 +8,9 @@ from typing import Any
 import pytest
 
 from support.code_blocks import ROOT
-from support.ros_interview import (
-    DEADLY,
-    STARTS,
-    deadly,
-    finalized,
-    graph,
-    lifecycle,
-    outcomes,
-    parameters,
-    samples,
-    started,
-    stopped,
-    two_at_once,
-    types,
-)
+from support.ros_interview import DEADLY, STARTS, Questions, deadly, everything, started
 from support.ros_twins import OURS, THEIRS, asked, shown
 
-TOPICS = (graph, lifecycle, outcomes, parameters, types, samples, two_at_once, finalized)
 TWINS = {"theirs": THEIRS, "ours": OURS}
 
 
@@ -41,26 +25,22 @@ def documented() -> dict[str, tuple[str, str]]:
 
 def interview(context: Any, folder: Path, twin: str) -> dict[str, str]:
     """Put every question; the answers as text."""
-    answers: dict[str, Any] = {}
+    answers: dict[str, str] = {}
 
-    def ask(*arguments: str) -> Any:
-        return asked(context, folder, TWINS[twin], twin, *arguments)
-
-    with ask() as asker:
-        for topic in TOPICS:
-            for question, answer in topic(asker):
+    def put(questions: Questions, *arguments: str) -> None:
+        # Each in a namespace of its own: ROS sees a node for a while after it was killed.
+        namespace = f"{twin}{len(answers)}"
+        with asked(context, folder, TWINS[twin], namespace, *arguments) as asker:
+            for question, answer in questions(asker):
                 assert question not in answers, question
-                answers[question] = answer
-    for question, wanted in DEADLY.items():
-        with ask() as asker:
-            answers[question] = deadly(asker, wanted)
+                answers[question] = shown(answer, namespace)
+
+    put(everything)
+    for question in DEADLY:
+        put(partial(deadly, question=question))
     for given in STARTS:
-        with ask(*given.split()) as asker:
-            answers |= {f"{question}, {given}": answer for question, answer in started(asker)}
-    for signum in (signal.SIGINT, signal.SIGTERM):
-        with ask() as asker:
-            answers[f"status after {signum.name}"] = stopped(asker, signum)
-    return {question: shown(answer, twin) for question, answer in answers.items()}
+        put(partial(started, given=given), *given.split())
+    return answers
 
 
 @pytest.mark.timeout(300)

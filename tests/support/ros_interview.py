@@ -1,6 +1,6 @@
 """The questions that the tools of ROS put to a lifecycle node: `ros2` and launch."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from lifecycle_msgs.msg import Transition
@@ -20,6 +20,7 @@ from type_description_interfaces.srv import GetTypeDescription
 from support.ros_twins import Asker, brief
 
 Answers = Iterator[tuple[str, Any]]
+Questions = Callable[[Asker], Iterable[tuple[str, Any]]]
 
 LABELS = ["configure", "activate", "deactivate", "cleanup", "shutdown"]
 PRIMARY = {
@@ -317,11 +318,13 @@ DEADLY: dict[str, dict[str, Any]] = {
 """Of these a node may die."""
 
 
-def deadly(asker: Asker, wanted: dict[str, Any]) -> Any:
+def deadly(asker: Asker, question: str) -> Answers:
     """Ask for a transition: the answer, or the end of the node."""
-    future = asker.start(ChangeState, "change_state", transition=Transition(**wanted))
+    wanted = Transition(**DEADLY[question])
+    future = asker.start(ChangeState, "change_state", transition=wanted)
     asker.await_true(lambda: future.done() or asker.has_ended, "an answer or an end")
-    return brief(future.result()) or "refused" if future.done() else "the node ends"
+    answer = (brief(future.result()) or "refused") if future.done() else "the node ends"
+    yield question, answer
 
 
 STARTS = [
@@ -335,22 +338,21 @@ STARTS = [
 """What launch and users give a node."""
 
 
-def started(asker: Asker) -> Answers:
+def started(asker: Asker, given: str) -> Answers:
     """What a node is that has been given something."""
     if asker.has_ended:
-        yield "start", "the node ends"
+        yield f"start, {given}", "the node ends"
         return
-    yield "start", "the node starts"
+    yield f"start, {given}", "the node starts"
     names = ["answer", "motion.speed", "joints", "gains", "names", "serial", "use_sim_time"]
-    yield "parameters", get(asker, *names)
+    yield f"parameters, {given}", get(asker, *names)
     found = dict(graph(asker))
     for question in ("its name", "its publishers", "its subscribers", "its services"):
-        yield question, found[question]
-    yield "publishes /rosout", found["publishers of /rosout"] > 0
+        yield f"{question}, {given}", found[question]
+    yield f"publishes /rosout, {given}", found["publishers of /rosout"] > 0
 
 
-def stopped(asker: Asker, signum: int) -> Any:
-    """Send a signal: the exit status, and whether there is a traceback."""
-    asker.process.send_signal(signum)
-    asker.await_true(lambda: asker.has_ended, "an end")
-    return asker.process.returncode
+def everything(asker: Asker) -> Answers:
+    """What one node can be asked in its life, in this order."""
+    for topic in (graph, lifecycle, outcomes, parameters, types, samples, two_at_once, finalized):
+        yield from topic(asker)
