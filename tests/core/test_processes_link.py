@@ -162,7 +162,7 @@ def test_the_lines_of_a_record_are_lines_of_the_log_each_with_level_and_name(
     for line in (
         "[ERROR] [BaseManager]: x: bad",
         "[ERROR] [BaseManager]: x:   ValueError: lens",
-        "[WARNING] [BaseManager]: x: one\\ntwo",
+        "[WARN] [BaseManager]: x: one\\ntwo",
     ):
         assert line in err.splitlines()
 

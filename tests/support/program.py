@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from support.log_lines import without_times
 from support.waiting import wait_until
 
 _MARK = "ROSBASE_TEST_PROGRAM"
@@ -64,9 +65,12 @@ class Program:
         raise AssertionError(f"it ended without {text!r}: {self.process.communicate()[1]}")
 
     def end(self) -> tuple[int, str, str]:
-        """Waits for its end: status, the rest of its output, what it wrote to stderr."""
+        """Waits for its end: status, the rest of its output, what it wrote to stderr.
+
+        The lines of the log are without their times.
+        """
         out, err = self.process.communicate(timeout=30)
-        return self.process.returncode, out, err
+        return self.process.returncode, out, without_times(err)
 
     def stop(self, signum: int) -> tuple[float, int, str, str]:
         """Sends a signal and waits: how long the end took in seconds, and what `end` gives."""

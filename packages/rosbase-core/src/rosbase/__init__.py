@@ -102,6 +102,7 @@ if TYPE_CHECKING:
     from rosbase.local import LocalBackend
     from rosbase.logger import (
         RosbaseLogger,
+        RosFormatter,
         make_logger,
     )
     from rosbase.manager import (
@@ -257,6 +258,7 @@ __all__ = [
     "ReliabilityPolicy",
     "ReportingDevice",
     "RestartPolicy",
+    "RosFormatter",
     "RosbaseError",
     "RosbaseLogger",
     "SetParametersResult",
@@ -375,6 +377,7 @@ _HOMES = {
     "ReliabilityPolicy": "rosbase.qos",
     "ReportingDevice": "rosbase.device",
     "RestartPolicy": "rosbase.processes",
+    "RosFormatter": "rosbase.logger",
     "RosbaseError": "rosbase.errors",
     "RosbaseLogger": "rosbase.logger",
     "SetParametersResult": "rosbase.parameters",

@@ -38,6 +38,7 @@ from rosbase_ros2.given import given_parameters, name_strange_files
 from rosbase_ros2.host import Host
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
+from rosbase_ros2.log_file import LogFile
 from rosbase_ros2.parameters import Overrides, RosParameters
 from rosbase_ros2.qos import queue_depth, to_profile
 from rosbase_ros2.qos_overrides import PREFIX, QoSOverrides
@@ -46,7 +47,7 @@ from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.sim_time import SimTimeWatch
 from rosbase_ros2.spinner import Spinner
-from rosbase_ros2.starting import prepare_machine, ros_arguments, start_node
+from rosbase_ros2.starting import is_enabled, prepare_machine, ros_arguments, start_node
 from rosbase_ros2.timers import RosTimer, Timers
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 from rosbase_ros2.written import RosArguments
@@ -77,8 +78,13 @@ class Ros2Backend(Backend):
         # It may have been given another one on the command line.
         self.node_name = self.node.get_fully_qualified_name().removeprefix("/")
         self.clock = clock = RosClock(self.node)
-        self.log_handler = self._rosout = RosoutHandler(self.node)
-        self._logger = make_logger(options.node_name, None, clock, self.log_handler)
+        self.log_name = self.node.get_logger().name
+        self.has_console_log = is_enabled("stdout-logs", arguments)
+        log_file = LogFile.of_this_process() if is_enabled("external-lib-logs", arguments) else None
+        self.log_handler = self._rosout = RosoutHandler(self.node, log_file)
+        self._logger = make_logger(
+            self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
+        )
         if warning:
             self._logger.warning(warning)
         self._refusals = Refusals(self._context, self._logger)

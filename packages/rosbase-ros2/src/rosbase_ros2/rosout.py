@@ -1,4 +1,4 @@
-"""Log records on `/rosout`, as of any ROS node.
+"""Log records on `/rosout` and in the log file of ROS, as of any ROS node.
 
 rclpy's own logger is not used for it: that writes to the console as well, where rosbase's
 records have gone already, and costs many times as much.
@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from rosbase import printable
 from rosbase.messages import Time
+from rosbase_ros2.log_file import LogFile
 
 __all__ = ["RosoutHandler"]
 
@@ -25,14 +26,14 @@ _NS_PER_S = 1_000_000_000
 
 
 class RosoutHandler(logging.Handler):
-    """Publishes records under the name of a node, until it is closed.
+    """Publish records under the name of a node, until closed, and append them to the log file.
 
     Its level is that of the node's logger when it is made, which `--log-level` sets. With
     `--disable-rosout-logs` it publishes nothing.
     """
 
-    def __init__(self, node: Any) -> None:
-        """Takes the rclpy node."""
+    def __init__(self, node: Any, file: LogFile | None = None) -> None:
+        """Take the rclpy node, and the log file if there is one."""
         ros_logger = node.get_logger()
         super().__init__(int(ros_logger.get_effective_level()))
         self.publisher = (
@@ -40,20 +41,28 @@ class RosoutHandler(logging.Handler):
         )
         """The rclpy publisher, while there is one; it is destroyed with the node."""
         self._node_name = ros_logger.name
+        self._file = file
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publishes one record. From any thread, one at a time."""
+        """Publish and append one record. From any thread, one at a time."""
+        if self._file is not None:
+            self._file.write(record)
         publisher = self.publisher
         if publisher is None:
             return
         try:
-            publisher.publish(_to_ros(record, self._node_name))
+            publisher.publish(_to_ros(record, self._name_of(record)))
         except Exception:
             # The node or its context is gone. A record must not end whoever logs it.
             pass
 
+    def _name_of(self, record: logging.LogRecord) -> str:
+        """The node's name, or that of a logger below it."""
+        is_below = record.name.startswith(f"{self._node_name}.")
+        return record.name if is_below else self._node_name
+
     def close(self) -> None:
-        """Publishes nothing from here on."""
+        """Publish nothing from here on. What is logged later is still in the file."""
         self.publisher = None
         super().close()
 

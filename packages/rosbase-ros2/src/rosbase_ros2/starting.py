@@ -19,7 +19,7 @@ from rosbase_ros2.machine import (
 )
 from rosbase_ros2.written import RosArguments
 
-__all__ = ["prepare_machine", "ros_arguments", "start_node"]
+__all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node"]
 
 
 def prepare_machine() -> str:
@@ -87,6 +87,16 @@ def ros_arguments(command_line: Iterable[str]) -> list[str]:
             found.append(argument)
         within = within and argument != "--"
     return found
+
+
+def is_enabled(feature: str, arguments: Iterable[str]) -> bool:
+    """Return whether the arguments for ROS leave a feature of its log, such as `stdout-logs`, on.
+
+    The last of `--enable-<feature>` and `--disable-<feature>` counts, as in rcl.
+    """
+    words = {f"--enable-{feature}": True, f"--disable-{feature}": False}
+    said = [words[argument] for argument in arguments if argument in words]
+    return said[-1] if said else True
 
 
 def _does_not_start(reason: str) -> BackendError:

@@ -1,13 +1,17 @@
 """The terminal: a line that lives where there is one, plain lines where there is none."""
 
+import argparse
 import logging
 import shutil
 import sys
+from collections.abc import Iterable
 
 from rosbase.cli.output import Output
-from rosbase.text.printable import indented, log_line
+from rosbase.logger import Console, level_number, use_console
+from rosbase.logger.console import wants_colour
+from rosbase.text.printable import log_line
 
-__all__ = ["LiveLine", "log_to_stderr"]
+__all__ = ["LiveLine", "LogOutput", "add_log_level", "log_to_stderr"]
 
 _CLEAR = "\r\x1b[K"
 _TERMINAL_PERIOD_S = 0.2
@@ -35,6 +39,13 @@ class LiveLine:
         else:
             self._output.write(f"{log_line(text)}\n")
 
+    def give_way(self) -> str:
+        """Return what makes room for another line in its place, if it is shown."""
+        if not self._is_shown:
+            return ""
+        self._is_shown = False
+        return _CLEAR
+
     def end(self) -> None:
         """Leaves the last text standing, and goes on below it."""
         if self._is_shown:
@@ -42,39 +53,51 @@ class LiveLine:
             self._is_shown = False
 
 
-class _Formatter(logging.Formatter):
-    """Writes records in the shape of ROS 2: a line each, and tracebacks indented below it."""
+class LogOutput(Output):
+    """Where the log goes: it never waits, and on a terminal the live line gives way to it."""
 
-    def __init__(self, begin: str) -> None:
-        super().__init__()
-        self._begin = begin
+    live_line: LiveLine | None = None
 
-    def format(self, record: logging.LogRecord) -> str:
-        name = record.name.removeprefix("rosbase.")
-        line = log_line(f"[{record.levelname}] [{name}]: {record.getMessage()}")
-        trace = self.formatException(record.exc_info) if record.exc_info else record.exc_text
-        below = [indented(text) for text in (trace, record.stack_info) if text]
-        return self._begin + "\n".join([line, *below])
+    def write_record(self, text: str) -> None:
+        """Write the lines of a record."""
+        begin = self.live_line.give_way() if self.live_line and self.is_terminal else ""
+        self.write(begin + text)
 
 
-class _OutputHandler(logging.Handler):
-    """Hands log records to an output, which never waits, not even for a stopped terminal."""
+def add_log_level(parser: argparse.ArgumentParser) -> None:
+    """Add the option that sets log levels."""
+    parser.add_argument(
+        "--log-level",
+        metavar="[NAME:=]LEVEL",
+        type=_named_level,
+        action="append",
+        default=[],
+        help="log from this level on: debug, info, warn, error, fatal; for one logger with NAME:=",
+    )
 
-    def __init__(self, output: Output) -> None:
-        super().__init__()
-        self._output = output
 
-    def emit(self, record: logging.LogRecord) -> None:
-        self._output.write(f"{self.format(record)}\n")
+def log_to_stderr(levels: Iterable[tuple[str, int]] = ()) -> LogOutput:
+    """Have rosbase's log records written to stderr, whatever libraries do; return the output.
 
-
-def log_to_stderr() -> Output:
-    """Has rosbase's log records written to stderr, in the shape of ROS 2; gives the output."""
-    output = Output(sys.stderr)
-    handler = _OutputHandler(output)
-    handler.setFormatter(_Formatter(_CLEAR if output.is_terminal else ""))
+    Args:
+        levels: The least level of each logger, by its name; the empty name stands for all.
+    """
+    output = LogOutput(sys.stderr)
+    console = Console(output.write_record, has_colour=wants_colour(sys.stderr))
+    use_console(console)
     logger = logging.getLogger("rosbase")
-    logger.handlers[:] = [handler]
-    logger.setLevel(logging.INFO)
+    logger.handlers[:] = [console]
+    # The command is the application here, so what a plugin does to the root does not matter.
     logger.propagate = False
+    logger.setLevel(logging.NOTSET)
+    for name, level in levels:
+        (logger.getChild(name) if name else logger).setLevel(level)
     return output
+
+
+def _named_level(text: str) -> tuple[str, int]:
+    name, _, level = text.rpartition(":=")
+    try:
+        return name, level_number(level)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

@@ -4,8 +4,7 @@ import argparse
 from typing import Any
 
 from rosbase.cli.arguments import number_between, positive_number
-from rosbase.cli.console import log_to_stderr
-from rosbase.cli.output import Output
+from rosbase.cli.console import LogOutput, add_log_level, log_to_stderr
 from rosbase.cli.session import ReaderHandlers, ReaderManager, run_to_end
 from rosbase.imu.plugin_calls import simulate
 from rosbase.imu.simulator import ImuSimulator
@@ -30,11 +29,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--duration", type=positive_number, default=10.0, metavar="S", help="seconds to run (10)"
     )
     parser.add_argument("--transport", default="serial", metavar="NAME", help="the link (serial)")
+    add_log_level(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the demo; 0 if every sample that was sent has been published."""
-    log = log_to_stderr()
+    log = log_to_stderr(arguments.log_level)
     transport = installed_plugins().transport(arguments.transport)
     device = simulate(transport)
     simulator = ImuSimulator(device, arguments.rate)
@@ -105,7 +105,7 @@ class DemoManager(ReaderManager):
     def __init__(
         self,
         parameters: dict[str, ParameterValue],
-        log: Output,
+        log: LogOutput,
         *,
         simulator: ImuSimulator,
         **kwargs: Any,

@@ -3,7 +3,7 @@
 import argparse
 
 from rosbase.cli.arguments import add_parameters, as_text, check_given, positive_number, read_given
-from rosbase.cli.console import log_to_stderr
+from rosbase.cli.console import add_log_level, log_to_stderr
 from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
 from rosbase.parameters import ParameterValue
@@ -32,6 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="start unconfigured, for others to bring it up, and show nothing but the log",
     )
+    add_log_level(parser)
     parser.add_argument("--backend", help="what carries the topics (default: local)")
     parser.add_argument(
         "--list-parameters", action="store_true", help="list the parameters and end"
@@ -40,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the reader until it is stopped."""
-    log = log_to_stderr()
+    log = log_to_stderr(arguments.log_level)
     registry = installed_plugins()
     specs = reader_parameters(registry)
     if arguments.list_parameters:

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from rosbase.cli.console import LiveLine
+from rosbase.cli.console import LiveLine, LogOutput
 from rosbase.cli.monitor import SampleMonitor
 from rosbase.cli.output import Output
 from rosbase.cli.report import status_line, summary_lines
@@ -72,7 +72,7 @@ class ReaderManager(BaseManager):
     def __init__(
         self,
         parameters: Mapping[str, ParameterValue],
-        log: Output,
+        log: LogOutput,
         *,
         backend: str | None = None,
         handlers_class: type[ReaderHandlers] = ReaderHandlers,
@@ -98,7 +98,7 @@ class ReaderManager(BaseManager):
         self._report = log if echoes else self._stdout
         self._echoes = echoes
         self.is_quiet = is_quiet
-        self.live_line = LiveLine(self._report)
+        self.live_line = log.live_line = LiveLine(self._report)
         opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
         nodes: dict[str, type[BaseNode]] = {DEFAULT_NODE_NAME: ImuReader}
         # For the live line, where listening costs little; where nothing is shown, for nobody.

@@ -5,7 +5,8 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `add_on_set_parameters_callback`, `close`.
 
 May implement, where the world has more to it than this process: `delivers_in_process`,
-`log_handler`, `begin_run`, `end_run`, `expose_lifecycle`, `imu_sender`, `create_timer`,
+`log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `expose_lifecycle`,
+`imu_sender`, `create_timer`,
 `destroy_timer`. May set, before the constructor returns: `node_name`, `clock`.
 
 Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`,
@@ -252,6 +253,14 @@ class Backend(ABC):
     thread; where the application has set up no logging, its level is the least for both. The
     message is one line of printable characters, with a traceback indented below it. It must
     raise nothing, also after `close`. Set before the constructor returns."""
+
+    log_name: str | None = None
+    """What the world calls the logger of the backend's manager or lone node, such as
+    `robot.left`; None stands for the name of the role. Set before the constructor returns."""
+
+    has_console_log: bool = True
+    """Whether records go to the console, where the application has set up no logging. Set before
+    the constructor returns."""
 
     def begin_run(self, request_stop: Callable[[], object]) -> None:  # noqa: B027 - as below
         """Note that a manager or lone node begins to spin.

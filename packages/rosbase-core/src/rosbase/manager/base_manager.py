@@ -7,7 +7,7 @@ from typing import Any
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
-from rosbase.logger import RosbaseLogger, make_logger
+from rosbase.logger import RosbaseLogger
 from rosbase.manager.bringup import bring_up, take_down
 from rosbase.manager.building import build, find_untaken, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
@@ -21,7 +21,7 @@ from rosbase.processes import (
 )
 from rosbase.roles.agent import BaseAgent
 from rosbase.roles.callables import check_methods
-from rosbase.roles.connection import open_backend
+from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.lifecycle_node import LifecycleNode
@@ -99,9 +99,7 @@ class BaseManager(Constructed):
         self.nodes: dict[str, Any] = {}
         self.agents: dict[str, Any] = {}
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
-        self.logger: RosbaseLogger = make_logger(
-            node_name, custom_logger, self.backend.clock, self.backend.log_handler
-        )
+        self.logger: RosbaseLogger = open_logger(self.backend, node_name, custom_logger)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 

@@ -1,10 +1,13 @@
-"""Which backend a manager or a lone node gets."""
+"""Which backend and which logger a manager or a lone node gets."""
 
 import os
+from collections.abc import Callable
+from typing import Any
 
 from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.logger import RosbaseLogger, make_logger
 
 __all__ = [
     "BACKEND_VARIABLE",
@@ -13,6 +16,7 @@ __all__ = [
     "lone_node_name",
     "name_lone_nodes",
     "open_backend",
+    "open_logger",
 ]
 
 BACKEND_VARIABLE = "ROSBASE_BACKEND"
@@ -39,6 +43,25 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
 
     options = evolve(options, is_child=bool(_lone_name))
     return installed_plugins().backend(backend_name(backend)).create(options)
+
+
+def open_logger(
+    backend: Backend, name: str, custom: Callable[[str], Any] | None = None
+) -> RosbaseLogger:
+    """Return the logger of a manager or a lone node, under the name that its world has for it.
+
+    Args:
+        backend: Its backend.
+        name: The name of the manager or node.
+        custom: A class of the application's own, which is called with the name.
+    """
+    return make_logger(
+        backend.log_name or name,
+        custom,
+        backend.clock,
+        backend.log_handler,
+        has_console=backend.has_console_log,
+    )
 
 
 _lone_name = ""

@@ -6,11 +6,10 @@ from typing import Any, TypeVar
 from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
-from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
-from rosbase.roles.connection import lone_node_name, open_backend
+from rosbase.roles.connection import lone_node_name, open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.shutdown import is_wish, run_steps
@@ -58,9 +57,7 @@ class BaseNode(Constructed, Component):
             return
         name = node_name or lone_node_name(self)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
-        self.logger = make_logger(
-            name, custom_logger, self._backend.clock, self._backend.log_handler
-        )
+        self.logger = open_logger(self._backend, name, custom_logger)
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10

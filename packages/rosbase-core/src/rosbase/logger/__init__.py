@@ -1,0 +1,16 @@
+"""The logger of the four roles, and where its records go."""
+
+from rosbase.logger.console import Console, use_console
+from rosbase.logger.custom import make_logger
+from rosbase.logger.formatter import RosFormatter
+from rosbase.logger.levels import level_number
+from rosbase.logger.rosbase_logger import RosbaseLogger
+
+__all__ = [
+    "Console",
+    "RosFormatter",
+    "RosbaseLogger",
+    "level_number",
+    "make_logger",
+    "use_console",
+]

@@ -1,0 +1,83 @@
+"""The console: where log lines go while the application has set up no logging of its own."""
+
+import logging
+import os
+import sys
+from collections.abc import Callable
+from typing import TextIO
+
+from rosbase.logger.formatter import RosFormatter
+
+__all__ = ["Console", "current_console", "use_console", "wants_colour"]
+
+
+class Console(logging.Handler):
+    """Writes records in the format of ROS 2, to stderr if nothing else is given."""
+
+    def __init__(
+        self, write: Callable[[str], object] | None = None, *, has_colour: bool | None = None
+    ) -> None:
+        """Take where lines go.
+
+        Args:
+            write: Called with each text, line end included.
+            has_colour: Whether lines have the colour of their level; by default on a terminal.
+        """
+        super().__init__()
+        self._write = write or self._write_to_stream
+        self._has_colour = _said_of_colour() if has_colour is None else has_colour
+        self._goes_to_stdout = os.environ.get("RCUTILS_LOGGING_USE_STDOUT") == "1"
+        self._plain, self._coloured = RosFormatter(), RosFormatter(has_colour=True)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one record."""
+        try:
+            has_colour = self._has_colour
+            if has_colour is None:
+                has_colour = self._stream().isatty()
+            formatter = self._coloured if has_colour else self._plain
+            self._write(f"{formatter.format(record)}\n")
+        except (OSError, ValueError, AttributeError):
+            # Nobody can hear it: the stream is closed or missing, or its reader has gone.
+            pass
+
+    def _stream(self) -> TextIO:
+        # Looked up each time, because a program may put another stream there.
+        return sys.stdout if self._goes_to_stdout else sys.stderr
+
+    def _write_to_stream(self, text: str) -> None:
+        stream = self._stream()
+        stream.write(text)
+        stream.flush()
+
+
+_console: list[Console] = []
+
+
+def current_console() -> Console:
+    """Return the console of this process, which is made when it is first needed."""
+    if not _console:
+        _console.append(Console())
+    return _console[0]
+
+
+def use_console(console: Console | None) -> None:
+    """Have log lines written by this console; None stands for the usual one."""
+    _console[:] = [] if console is None else [console]
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Return whether lines for a stream have colours.
+
+    `RCUTILS_COLORIZED_OUTPUT` says so with 0 or 1. Otherwise a terminal has them, unless
+    `NO_COLOR` is set.
+    """
+    said = _said_of_colour()
+    return stream.isatty() if said is None else said
+
+
+def _said_of_colour() -> bool | None:
+    said = os.environ.get("RCUTILS_COLORIZED_OUTPUT")
+    if said in ("0", "1"):
+        return said == "1"
+    return False if os.environ.get("NO_COLOR") else None

@@ -1,0 +1,172 @@
+"""A logger of the application's own, under the methods of rosbase's."""
+
+import logging
+from collections.abc import Callable
+from functools import partial
+from typing import Any, cast
+
+from rosbase.clock import Clock
+from rosbase.logger.call_sites import calling_frame, site_of
+from rosbase.logger.destination import survey
+from rosbase.logger.filters import FILTERS, LogOptions
+from rosbase.logger.levels import LEVELS, level_number
+from rosbase.logger.record_text import show, whole_text
+from rosbase.logger.rosbase_logger import RosbaseLogger
+from rosbase.text.printable import log_line
+
+__all__ = ["make_logger"]
+
+# A method, its level, and what it is called in loggers that do not have it.
+_METHODS = {
+    "debug": (logging.DEBUG, "debug"),
+    "info": (logging.INFO, "info"),
+    "warning": (logging.WARNING, "warn"),
+    "warn": (logging.WARNING, "warning"),
+    "error": (logging.ERROR, "error"),
+    "exception": (logging.ERROR, "error"),
+    "critical": (logging.CRITICAL, "fatal"),
+    "fatal": (logging.CRITICAL, "critical"),
+}
+_WHOLE = ("get_child", "get_effective_level", "is_enabled_for", "set_level")
+
+
+class _CustomLogger(RosbaseLogger):
+    """A logger of the application's own, with whatever ours can do and it cannot."""
+
+    def __init__(
+        self,
+        name: str,
+        custom: Any,
+        clock: Clock | None,
+        listener: logging.Handler | None,
+        *,
+        has_console: bool,
+    ) -> None:
+        super().__init__(name, clock, listener, has_console=has_console)
+        self._custom, self._least = custom, logging.NOTSET
+        for method in _METHODS:
+            setattr(self, method, partial(self._say, method))
+        for method in ("important", "log_once"):
+            if hasattr(custom, method):
+                setattr(self, method, partial(self._say_its_way, method))
+        for method in _WHOLE:
+            if hasattr(custom, method):
+                setattr(self, method, getattr(custom, method))
+
+    def __getattr__(self, attribute: str) -> Any:
+        if attribute == "_custom":
+            # A copy in the making asks for it before it is there.
+            raise AttributeError(attribute)
+        return getattr(self._custom, attribute)
+
+    def reset(self) -> None:
+        """Forget what has been logged once, here and there."""
+        super().reset()
+        if hasattr(self._custom, "reset"):
+            self._custom.reset()
+
+    def set_level(self, level: str | int) -> None:
+        """Set the least level that gets to the application's own logger, if it cannot itself."""
+        self._least = level_number(level)
+
+    def get_effective_level(self) -> int:
+        """Return the level that was set, or that of whoever listens."""
+        return self._least or self._default_level
+
+    def _way(self, level: int) -> bool | None:
+        return True if level >= self._least else None
+
+    def _say(self, method: str, message: Any, *more: Any, **options: Any) -> None:
+        """Write a message, with whatever else the application's own logger takes."""
+        level, frame = _METHODS[method][0], calling_frame()
+        if self._way(level) is None:
+            return
+        filters = {name: options.pop(name) for name in FILTERS & options.keys()}
+        if filters and not self._filters.pass_on(
+            site_of(frame), level, cast("LogOptions", filters), self._clock
+        ):
+            return
+        message = _cleaned(message)
+        said = LogOptions(exc_info=options.pop("exc_info", method == "exception"))
+        record = self._record_of(level, log_line(show(_fill_in(message, more))), frame, said)
+        text = f"{message}\n{record.exc_text}" if record.exc_text else message
+        self._write(method, text, more, options, record)
+        self._hand_on(record)
+
+    def _say_its_way(self, method: str, message: str, *more: Any, **options: Any) -> Any:
+        """Write as only the application's own logger can, at a level that it may be given."""
+        message = _cleaned(message)
+        answer = getattr(self._custom, method)(message, *more, **options)
+        named = str(options.get("level", more[0] if more else "")).upper()
+        level = {**logging.getLevelNamesMapping(), **LEVELS}.get(named, logging.INFO)
+        if method != "log_once" or self._first_time(level, message):
+            self._hand_on(self._record_of(level, log_line(show(message)), calling_frame(), {}))
+        return answer
+
+    def _write(
+        self,
+        method: str,
+        text: Any,
+        more: tuple[Any, ...],
+        options: Any,
+        record: logging.LogRecord,
+    ) -> None:
+        other = _METHODS[method][1]
+        try:
+            write = getattr(self._custom, method, None) or getattr(self._custom, other)
+            write(text, *more, **options)
+        except Exception:
+            # Whatever is being reported matters more than how.
+            super()._emit(record, is_applications=survey(self._logger)[0])
+
+    def _emit(self, record: logging.LogRecord, *, is_applications: bool) -> None:
+        """Write what one of our methods has made of a message."""
+        levels = {level: method for method, (level, _) in reversed(_METHODS.items())}
+        self._write(levels.get(record.levelno, "info"), whole_text(record), (), {}, record)
+
+    def _hand_on(self, record: logging.LogRecord) -> None:
+        # What the application's own logger writes is its affair; who listens has a level too.
+        if record.levelno >= self._default_level:
+            super()._hand_on(record)
+
+
+def make_logger(
+    name: str,
+    custom: Callable[[str], Any] | None = None,
+    clock: Clock | None = None,
+    listener: logging.Handler | None = None,
+    *,
+    has_console: bool = True,
+) -> RosbaseLogger:
+    """Return the logger of that name.
+
+    Args:
+        name: What its records are called.
+        custom: A class of the application's own, which is called with the name.
+        clock: What throttles.
+        listener: A backend's handler, which is given what is logged, beside the console.
+        has_console: Whether the console gets records too. A custom logger decides by itself.
+    """
+    if custom is None:
+        return RosbaseLogger(name, clock, listener, has_console=has_console)
+    logger = custom(name)
+    if not isinstance(logger, RosbaseLogger):
+        return _CustomLogger(name, logger, clock, listener, has_console=has_console)
+    # Made with the name alone, it cannot know which time counts here, and who listens.
+    if clock is not None:
+        logger._clock = clock
+    logger._have_listen(listener, has_console=has_console)
+    return logger
+
+
+def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
+    """The text of a logger that takes values for it, as `logging` does; others take colours."""
+    try:
+        return message % values if values else message
+    except (TypeError, ValueError):
+        return message
+
+
+def _cleaned(message: Any) -> Any:
+    """The message as one line, if it is a text; a logger of the application's may take others."""
+    return log_line(message) if isinstance(message, str) else message
