@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from rosbase.logger import use_console
+
 # Machines that run tests are busy; the time limit of the test run is the one that counts.
 settings.register_profile("rosbase", deadline=None)
 settings.load_profile("rosbase")
@@ -20,6 +22,7 @@ for _signum in (signal.SIGHUP, signal.SIGINT):
     if signal.getsignal(_signum) is signal.SIG_IGN:
         signal.signal(_signum, signal.SIG_DFL)
 
+_STRANGE = ("NO_COLOR", "PYTHONUNBUFFERED")
 _FDS = Path("/proc/self/fd")
 _CHILDREN = Path("/proc/self/task")
 
@@ -51,8 +54,9 @@ def nothing_leaks() -> Iterator[None]:
 def own_surroundings(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Keeps the user's environment and the last test's logging out of a test."""
     # PYTHONUNBUFFERED too: a new user has it not set, and output behaves differently with it.
-    for name in [n for n in os.environ if n.startswith("ROSBASE_") or n == "PYTHONUNBUFFERED"]:
+    for name in [n for n in os.environ if n.startswith(("ROSBASE_", "RCUTILS_")) or n in _STRANGE]:
         monkeypatch.delenv(name)
+    use_console(None)
     logger = logging.getLogger("rosbase")
     before = logger.handlers[:], logger.level, logger.propagate
     yield

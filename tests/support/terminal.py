@@ -14,8 +14,9 @@ from support.waiting import wait_until
 
 __all__ = ["Terminal", "assert_harmless", "on_terminal"]
 
-# What the command itself writes: it begins a line anew.
+# What the command itself writes: it begins a line anew, and gives each record a colour.
 _OURS = re.compile(r"\r\x1b\[K")
+_COLOURS = re.compile(r"(?m)^\x1b\[(?:0|31|32|33)m(?=\[[A-Z]+\] )|\x1b\[0m$")
 
 
 class Terminal:
@@ -68,7 +69,8 @@ def on_terminal(*command: str) -> Iterator[Terminal]:
 
 def assert_harmless(written: bytes) -> list[str]:
     """Nothing in it but lines of what can be seen; gives those lines."""
-    lines = _OURS.sub("\n", written.decode()).replace("\r\n", "\n").split("\n")
+    text = _OURS.sub("\n", written.decode()).replace("\r\n", "\n")
+    lines = _COLOURS.sub("", text).split("\n")
     for line in lines:
         assert line.isprintable(), f"{line!r} does more than to be read"
     return lines

@@ -17,7 +17,8 @@ DEFAULT_FORMAT = "[{severity}] [{time}] [{name}]: {message}"
 
 _NS_PER_S = 1_000_000_000
 _NS_PER_MS = 1_000_000
-# As in rcutils; whatever else stands in braces or behind a backslash stays as it is.
+# As in rcutils. Whatever else stands in braces stays as it is, and so does what stands behind a
+# backslash, of which rcutils loses parts of the format.
 _ESCAPES = {"\\a": "\a", "\\b": "\b", "\\n": "\n", "\\r": "\r", "\\t": "\t"}
 _COLOURS = {"DEBUG": "\x1b[32m", "INFO": "\x1b[0m", "WARN": "\x1b[33m"}
 _RED, _NORMAL = "\x1b[31m", "\x1b[0m"
@@ -27,7 +28,9 @@ _Part: TypeAlias = Callable[[logging.LogRecord], str]
 
 
 def _time_ns(record: logging.LogRecord) -> int:
-    return round(record.created * _NS_PER_S)
+    # A float has no room for nanoseconds since 1970, but for those of a second.
+    seconds = int(record.created)
+    return seconds * _NS_PER_S + round((record.created - seconds) * _NS_PER_S)
 
 
 def _time(record: logging.LogRecord) -> str:
