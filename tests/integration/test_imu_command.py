@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rosbase.cli.output import Output
+from rosbase.cli.console import LogOutput
 from rosbase.cli.session import ReaderManager
 from support.command import RunningRosbase, run_rosbase, summary_of
 from support.samples import FAULTS, GOOD_FRAME, ORIENTATION_FAULTS, frame
@@ -297,7 +297,7 @@ def test_a_magnetic_field_is_echoed_too(port: PluggablePort) -> None:
 
 @pytest.mark.parametrize("is_quiet", [True, False])
 def test_nobody_listens_to_samples_that_are_not_shown(*, is_quiet: bool) -> None:
-    manager = ReaderManager({}, Output(io.StringIO()), backend="local", is_quiet=is_quiet)
+    manager = ReaderManager({}, LogOutput(io.StringIO()), backend="local", is_quiet=is_quiet)
     assert (manager.monitor is None) == is_quiet
     manager.destroy_node()
 

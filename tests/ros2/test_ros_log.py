@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from rosbase import RosbaseLogger, RosFormatter
 from rosbase_ros2.log_file import LogFile
 from rosbase_ros2.starting import is_enabled
+from support.command import ROSBASE
 from support.log_lines import without_times
 
 THEIRS = """
@@ -234,3 +235,47 @@ def test_an_application_with_handlers_of_its_own_has_the_file_too(tmp_path: Path
     ours = Run(tmp_path, source)
     assert ours.console == "app 100 % ready\napp hot\napp lost\napp end\napp bent\n"
     assert without_times(ours.files[0]).startswith("[INFO] [walker]: 100 % ready\n[WARN]")
+
+
+ABSENT = ("-p", "device_path:=/dev/nope", "--duration", "0.5")
+FAILED = "configure failed, now unconfigured: /dev/nope is not there"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        ([], "[ERROR] [lifecycle_manager]: "),
+        (["-r", "__node:=left", "-r", "__ns:=/robot"], "[ERROR] [robot.left]: "),
+        (["--log-level", "fatal"], ""),
+        (["--log-level", "lifecycle_manager:=fatal"], ""),
+        (["--disable-stdout-logs"], ""),
+    ],
+)
+def test_the_command_heeds_the_arguments_of_ros_for_the_log(
+    tmp_path: Path, arguments: list[str], line: str
+) -> None:
+    ended = subprocess.run(
+        [ROSBASE, "imu", "--backend", "ros2", *ABSENT, "--ros-args", *arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "ROS_LOG_DIR": str(tmp_path)},
+        timeout=40,
+        check=False,
+    )
+    assert ended.returncode == 0
+    assert without_times(ended.stderr).partition(FAILED)[0] == line
+    (file,) = tmp_path.iterdir()
+    is_quiet = "--disable-stdout-logs" in arguments
+    assert (FAILED in file.read_text()) == (bool(line) or is_quiet)
+    assert is_quiet or file.read_text() == ended.stderr
+
+
+def test_the_option_of_the_command_counts_on_ros_too(tmp_path: Path) -> None:
+    ended = subprocess.run(
+        [ROSBASE, "imu", "--backend", "ros2", *ABSENT, "--log-level", "fatal"],
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (ended.returncode, ended.stderr) == (0, "")

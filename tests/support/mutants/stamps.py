@@ -1,6 +1,7 @@
 """Mutants that stamp wrongly."""
 
 from itertools import cycle
+from typing import Any
 
 from attrs import evolve
 
@@ -127,7 +128,7 @@ class CountsNothingAsLate(Wrapped):
 class Silent(RosbaseLogger):
     """Says nothing of its own accord."""
 
-    def warning(self, message: str, *, once: bool = False) -> None:
+    def warning(self, message: object, *values: object, **options: Any) -> None:
         """Nothing."""
 
 
