@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 # messages that are refused, questions for the main loop, parameters as they are written, a
 # program's own rclpy. A serial port has surroundings, each a subject of its own: the driver, other
 # programs and who they are, two kinds of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 28}
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 29}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -3,8 +3,8 @@
 import logging
 import os
 import re
-import time
 from collections.abc import Callable
+from datetime import datetime
 from typing import TypeAlias
 
 from rosbase.logger.levels import severity
@@ -40,8 +40,7 @@ def _time(record: logging.LogRecord) -> str:
 
 def _date(record: logging.LogRecord) -> str:
     seconds, rest = divmod(_time_ns(record), _NS_PER_S)
-    date = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
-    return f"{date}.{rest // _NS_PER_MS:03}"
+    return f"{datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M:%S}.{rest // _NS_PER_MS:03}"
 
 
 _TOKENS: dict[str, _Part] = {
