@@ -101,6 +101,7 @@ if TYPE_CHECKING:
     )
     from rosbase.local import LocalBackend
     from rosbase.logger import (
+        LogOptions,
         RosbaseLogger,
         RosFormatter,
         make_logger,
@@ -231,6 +232,7 @@ __all__ = [
     "LifecyclePublisher",
     "LineFramer",
     "LocalBackend",
+    "LogOptions",
     "ManagedNode",
     "MappingError",
     "NotADeviceError",
@@ -350,6 +352,7 @@ _HOMES = {
     "LifecyclePublisher": "rosbase.roles.lifecycle_node",
     "LineFramer": "rosbase.framing",
     "LocalBackend": "rosbase.local",
+    "LogOptions": "rosbase.logger",
     "ManagedNode": "rosbase.lifecycle",
     "MappingError": "rosbase.errors",
     "NotADeviceError": "rosbase.errors",

@@ -2,12 +2,14 @@
 
 from rosbase.logger.console import Console, use_console
 from rosbase.logger.custom import make_logger
+from rosbase.logger.filters import LogOptions
 from rosbase.logger.formatter import RosFormatter
 from rosbase.logger.levels import level_number
 from rosbase.logger.rosbase_logger import RosbaseLogger
 
 __all__ = [
     "Console",
+    "LogOptions",
     "RosFormatter",
     "RosbaseLogger",
     "level_number",

@@ -24,31 +24,28 @@ class Console(logging.Handler):
             has_colour: Whether lines have the colour of their level; by default on a terminal.
         """
         super().__init__()
-        self._write = write or self._write_to_stream
+        self._write = write
         self._has_colour = _said_of_colour() if has_colour is None else has_colour
         self._goes_to_stdout = os.environ.get("RCUTILS_LOGGING_USE_STDOUT") == "1"
         self._plain, self._coloured = RosFormatter(), RosFormatter(has_colour=True)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one record."""
+        # Looked up each time, because a program may put another stream there, or none.
+        stream: TextIO | None = sys.stdout if self._goes_to_stdout else sys.stderr
         try:
             has_colour = self._has_colour
             if has_colour is None:
-                has_colour = self._stream().isatty()
-            formatter = self._coloured if has_colour else self._plain
-            self._write(f"{formatter.format(record)}\n")
-        except (OSError, ValueError, AttributeError):
-            # Nobody can hear it: the stream is closed or missing, or its reader has gone.
+                has_colour = stream is not None and stream.isatty()
+            text = (self._coloured if has_colour else self._plain).format(record) + "\n"
+            if self._write is not None:
+                self._write(text)
+            elif stream is not None:
+                stream.write(text)
+                stream.flush()
+        except (OSError, ValueError):
+            # Nobody can hear it: the stream is closed, or its reader has gone.
             pass
-
-    def _stream(self) -> TextIO:
-        # Looked up each time, because a program may put another stream there.
-        return sys.stdout if self._goes_to_stdout else sys.stderr
-
-    def _write_to_stream(self, text: str) -> None:
-        stream = self._stream()
-        stream.write(text)
-        stream.flush()
 
 
 _console: list[Console] = []
