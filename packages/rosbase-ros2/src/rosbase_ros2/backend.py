@@ -72,15 +72,16 @@ class Ros2Backend(Backend):
         """
         super().__init__(SystemClock(), options.node_name)
         self._context = rclpy.Context()
-        warning, arguments = prepare_machine(), RosArguments(ros_arguments(sys.argv))
+        warning, words = prepare_machine(), ros_arguments(sys.argv)
+        arguments = RosArguments(words)
         self.node = start_node(self._context, options, arguments)
         """The rclpy node, for whatever else a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
         self.node_name = self.node.get_fully_qualified_name().removeprefix("/")
         self.clock = clock = RosClock(self.node)
         self.log_name = self.node.get_logger().name
-        self.has_console_log = is_enabled("stdout-logs", arguments)
-        log_file = LogFile.of_this_process() if is_enabled("external-lib-logs", arguments) else None
+        self.has_console_log = is_enabled("stdout-logs", words)
+        log_file = LogFile.of_this_process() if is_enabled("external-lib-logs", words) else None
         self.log_handler = self._rosout = RosoutHandler(self.node, log_file)
         self._logger = make_logger(
             self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
