@@ -6,8 +6,9 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 
 May implement, where the world has more to it than this process: `delivers_in_process`,
 `log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `expose_lifecycle`,
-`imu_sender`, `create_timer`, `destroy_timer`. May set, before the constructor returns:
-`node_name`, `clock`.
+`imu_sender`, `create_timer`, `destroy_timer`.
+
+May set, before the constructor returns: `node_name`, `clock`.
 
 Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`,
 `is_in_virtual_time`.
