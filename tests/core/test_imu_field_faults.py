@@ -232,6 +232,21 @@ def test_b_a_covariance_of_minus_one_means_that_there_is_no_orientation(
     assert topic == ("data" if is_there else "data_raw")
 
 
+def test_b_a_covariance_of_minus_one_may_be_a_text_if_numbers_are(rigs: Rigs) -> None:
+    payload = {
+        "orientation": {"x": "0", "y": "0", "z": "0", "w": "1"},
+        "orientation_covariance": ["-1", "0", "0"],
+        "angular_velocity": {"x": "0.0", "y": "0.0", "z": "0.1"},
+        "linear_acceleration": {"x": "0.0", "y": "0.0", "z": "9.8"},
+    }
+    rig = rigs(preset="ros", **{"mapping.numeric_strings": True})
+    ((topic, message),) = rig.send(payload)
+    assert topic == "data_raw"
+    assert message.orientation_covariance[0] == -1.0
+    ((topic, _),) = rig.send({**payload, "orientation_covariance": ["0.01", "0", "0"]})
+    assert topic == "data"
+
+
 # D. A message holds more samples than are taken.
 
 FOUR = {"hz": 200, "acc": [[0.1, 0, 9.8], [0.2, 0, 9.8], [0.3, 0, 9.8], [0.4, 0, 9.8]]}

@@ -32,9 +32,11 @@ def where(*conditions: tuple[str, Any]) -> Where:
         (r'"say \"x\"".é', ('say "x"', "é")),
         ('"0"', ("0",)),
         ('""', ("",)),
-        ("a-b/c:d", ("a-b/c:d",)),
+        ("a-b_c°.µT", ("a-b_c°", "µT")),
+        ('"a/b:c"."(x)"', ("a/b:c", "(x)")),
         ("$x", ("$x",)),
-        ('"$".x', ("$", "x")),
+        ('"$".x."@"', ("$", "x", "@")),
+        ("@timestamp", ("@timestamp",)),
         ("frames[*].a", ("frames", EACH, "a")),
         ("[*]", (EACH,)),
         ("s[id=acc].v", ("s", where(("id", "acc")), "v")),
@@ -107,6 +109,27 @@ REFUSED = {
     "a[b=1|2]": "a ] is missing, or a value is to be written in double quotes",
     "a[b=1e999]": "the number is too large",
     "T=1": "in double quotes",
+    "/imu/acc": "'/' is not expected; write keys with other signs in double quotes",
+    "#/imu/acc": "'#' is not expected",
+    "acc(0)": "'(' is not expected at character 4; write keys with other signs in double quotes",
+    "a;b;c": "';' is not expected",
+    "a/1000": "'/' is not expected",
+    "a*9.81": "'*' is not expected",
+    "a+b": "'+' is not expected",
+    "{a}": "'{' is not expected",
+    "{{ a.x }}": "'{' is not expected",
+    "${a}": "leave out '$'",
+    "p.$.x": "leave out '$', or write it in double quotes if it is a key",
+    "p.@.x": "leave out '@'",
+    "$[0].x": "leave out '$'",
+    "acc?.x": "'?' is not expected",
+    "acc->x": "'>' is not expected",
+    "acc::x": "':' is not expected",
+    "acc\\x": "is not expected",
+    "\u201cacc.x\u201d": "in double quotes",
+    "a[b/c=1]": "in double quotes",
+    "a[0:3]": "in double quotes",
+    "a[b=True]": 'write true, or "True" in double quotes for the text',
 }
 
 
@@ -126,6 +149,31 @@ def test_a_path_that_cannot_mean_anything_is_refused_in_a_line_that_says_what_to
 def test_a_condition_that_cannot_mean_anything_is_refused(text: str) -> None:
     with pytest.raises(MappingError, match="is not a condition such as T=1002"):
         parse_condition(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "cure"),
+    [
+        ("T=True", 'write true, or "True" in double quotes for the text'),
+        ("T!=FALSE", 'write false, or "FALSE" in double'),
+        ("T=Null", 'write null, or "Null" in double'),
+        ("T=None", 'write null, or "None" in double'),
+        ("T=+5", 'write the number as in JSON, or "+5" in double'),
+        ("T=.5", "write the number as in JSON"),
+        ("T=5.", "write the number as in JSON"),
+        ("T=-007", "write the number as in JSON"),
+    ],
+)
+def test_a_value_that_is_nearly_another_is_refused_with_the_way_to_write_either(
+    text: str, cure: str
+) -> None:
+    with pytest.raises(MappingError, match=re.escape(cure)):
+        parse_condition(text)
+
+
+@pytest.mark.parametrize("text", ['T="True"', "T=007", "T=none", "T=1.2.3", "T=on", "T=5 V"])
+def test_a_value_that_is_like_no_other_is_a_text(text: str) -> None:
+    assert parse_condition(text).value == text[2:].strip('"')
 
 
 @given(st.text(st.sampled_from('ab01.[]*|="!- $\\'), max_size=12))

@@ -277,13 +277,19 @@ class _Maker:
         rng = self.rng
         seconds = rng.choice([1_700_000_000, 1_812_345_678, 12, 2**31])
         if not self.unit:
-            return [rng.choice([seconds, str(seconds)]), rng.choice([0, 5, 10**9, -1])]
+            whole = rng.choice([seconds, seconds, float(seconds), seconds + 0.25, str(seconds)])
+            first = self.iso() if rng.random() < 0.1 else whole
+            return [first, rng.choice([0, 5, 5.0, "7", 10**9, -1, self.iso()])]
         lone = seconds * self.unit
         return [rng.choice([lone, lone, lone + 0.5, str(lone), f"{lone}.25", self.iso()])]
 
     def iso(self) -> str:
-        zone = self.rng.choice(["Z", "+02:00", ""])
-        return f"2025-10-01T12:00:00.25{zone}"
+        rng = self.rng
+        zone = rng.choice(["Z", "Z", "z", "+02:00", "-05:30", ""])
+        day = rng.choice(["2025-10-01", "2025-12-31", "2016-12-31", "2025-02-30"])
+        clock = rng.choice(["12:00:00", "12:00:00.25", "24:00:00", "23:59:60", "18:29:60.5"])
+        blank = rng.choice(["", "", " ", "\n"])
+        return f"{blank}{day}{rng.choice('Tt ')}{clock}{zone}{blank}"
 
     def put_quantity(self, payload: Any, ways: list[list[Token]], rows: list[list[Any]]) -> Any:
         if len(ways) == 1:
@@ -346,7 +352,8 @@ class _Maker:
     def meeting(self, node: Any, where: list[Any]) -> Any:
         for tokens, value, _ in where:
             if value is not EACH:
-                node = self.put(node, tokens, [value])
+                is_text = isinstance(value, int) and self.rng.random() < 0.1
+                node = self.put(node, tokens, [json.dumps(value) if is_text else value])
         return {} if node is None else node
 
     def damaged(self, payload: Any) -> Any:
@@ -357,7 +364,7 @@ class _Maker:
         if not places:
             return anything(rng)
         container, key = rng.choice(places)
-        match rng.randrange(7):
+        match rng.randrange(12):
             case 0 | 1:
                 container[key] = anything(rng)
             case 2:
@@ -370,6 +377,17 @@ class _Maker:
                 container[key] = str(container[key])
             case 6 if isinstance(container[key], dict):
                 container[key] = [container[key]]
+            case 7 | 8 if isinstance(container, dict):
+                container[key.swapcase()] = container.pop(key)
+            case 9 if isinstance(container[key], (dict, list)):
+                container[key] = rng.choice([{}, {}, {"error": "i2c timeout"}])
+            case 9 if isinstance(container, dict):
+                container["seq"] = 5
+            case 10 | 11 if isinstance(container[key], list):
+                tail = container[key][rng.randrange(2) :]
+                container[key] += deepcopy(tail) * rng.randrange(1, 3)
+            case 10 | 11:
+                del container[key]
             case _:
                 container[key] = None
         return payload

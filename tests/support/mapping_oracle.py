@@ -12,7 +12,7 @@ with the reason in place of each refusal:
 import json
 import math
 import re
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -76,7 +76,7 @@ def split(text: str, sign: str) -> list[str]:
 
 
 @cache
-def steps_of(text: str) -> list[Any]:
+def steps_of(text: str, texts_count: bool) -> list[Any]:
     """Keys as texts, indices as integers, conditions as lists of them, `[*]` as "*" in a tuple."""
     steps: list[Any] = []
     for part in split(text.strip(), "."):
@@ -87,9 +87,9 @@ def steps_of(text: str) -> list[Any]:
                 steps.append(int(piece[1:-1]))
             elif piece[0] == "[":
                 if steps and isinstance(steps[-1], list):
-                    steps[-1].append(condition_of(piece[1:-1]))
+                    steps[-1].append(condition_of(piece[1:-1], texts_count))
                 else:
-                    steps.append([condition_of(piece[1:-1])])
+                    steps.append([condition_of(piece[1:-1], texts_count)])
             elif piece[0] == '"':
                 steps.append(json.loads(piece))
             else:
@@ -98,30 +98,35 @@ def steps_of(text: str) -> list[Any]:
 
 
 @cache
-def condition_of(text: str) -> tuple[list[list[Any]], bool, Any]:
+def condition_of(text: str, texts_count: bool) -> Any:
+    """Its paths, whether it is `=`, its value, and whether a text counts as a number."""
     left, *rest = split(text, "=")
     value: Any = "=".join(rest).strip()
     is_equal = not left.rstrip().endswith("!")
-    paths = [steps_of(path) for path in split(left.strip().removesuffix("!"), "|")]
+    paths = [steps_of(path, texts_count) for path in split(left.strip().removesuffix("!"), "|")]
     if NUMBER.fullmatch(value) or value in ("true", "false", "null") or value[0] == '"':
         value = json.loads(value)
-    return paths, is_equal, value
+    return paths, is_equal, value, texts_count
 
 
-def way_of(text: str) -> tuple[float, list[Any]]:
-    text = text.strip()
-    return (-1.0, steps_of(text[1:])) if text[0] == "-" else (1.0, steps_of(text))
+def way_of(text: str, mapping: dict[str, Any]) -> tuple[float, list[Any]]:
+    text, texts_count = text.strip(), mapping.get("numeric_strings", False)
+    sign = -1.0 if text[0] == "-" else 1.0
+    return sign, steps_of(text.removeprefix("-"), texts_count)
 
 
-def meets(value: Any, condition: tuple[list[list[Any]], bool, Any]) -> bool:
+def meets(value: Any, condition: Any) -> bool:
     if not isinstance(value, (dict, list)):
         return False
-    paths, is_equal, wanted = condition
+    paths, is_equal, wanted, texts_count = condition
     found = next((f for f in (find(value, path) for path in paths) if f is not NOTHING), NOTHING)
+    is_number = isinstance(wanted, (int, float)) and not isinstance(wanted, bool)
+    if texts_count and is_number and isinstance(found, str) and NUMBER.fullmatch(found.strip()):
+        found = json.loads(found.strip())
     is_same = found is not NOTHING and found == wanted
     if isinstance(found, bool) != isinstance(wanted, bool):
         is_same = False
-    return is_same == is_equal
+    return bool(is_same == is_equal)
 
 
 def find(value: Any, steps: list[Any]) -> Any:
@@ -169,43 +174,67 @@ def unconditional(steps: list[Any]) -> list[Any]:
     return [step for step in steps if not isinstance(step, list)]
 
 
-def indices_named(mapping: dict[str, Any]) -> list[list[Any]]:
-    """The paths of a mapping and of its conditions, cut behind each index."""
-    paths: list[list[Any]] = []
-    texts = [t for name, value in mapping.items() if name.endswith("_paths") for t in value]
+class Named(NamedTuple):
+    """The paths of a mapping, without conditions."""
+
+    quantities: list[list[Any]]
+    times: list[list[Any]]
+    conditions: list[list[Any]]
+    """The paths in conditions, from the top of the payload."""
+
+
+def paths_named(mapping: dict[str, Any]) -> Named:
+    texts = [t for group in GROUPS for t in mapping.get(f"{group}_paths", ())]
     for group, axes in GROUPS.items():
         if len(mapping.get(f"{group}_paths", ())) == 1:
             (lone,) = mapping[f"{group}_paths"]
             texts += ["|".join(f"{way}[{n}]" for way in split(lone, "|")) for n in range(len(axes))]
-    for text in texts:
-        for way in split(text, "|"):
-            steps = way_of(way)[1]
-            paths.append(unconditional(steps))
+    times = [*mapping.get("time_paths", ())]
+    interval = mapping.get("time_interval", "").rpartition(" ")[0]
+    if interval and not NUMBER.fullmatch(interval):
+        times.append(interval)
+    named = Named([], [], [])
+    for found, into in ((texts, named.quantities), (times, named.times)):
+        for way in (way for text in found for way in split(text, "|")):
+            steps = way_of(way, mapping)[1]
+            into.append(unconditional(steps))
             for at, step in enumerate(steps):
                 if isinstance(step, list):
-                    for ways, _, _ in step:
-                        paths += [unconditional(steps[:at]) + path for path in ways]
+                    # Of a list, the elements meet them.
+                    each = [("*",)] if steps[at + 1 : at + 2] == [("*",)] else []
+                    place = unconditional(steps[:at]) + each
+                    named.conditions.extend(place + path for ways, *_ in step for path in ways)
     for text in mapping.get("select", ()):
-        paths += condition_of(text)[0]
-    return [p[: n + 1] for p in paths for n, step in enumerate(p) if isinstance(step, int)]
+        named.conditions.extend(condition_of(text, False)[0])
+    return named
+
+
+def next_steps(paths: list[list[Any]], place: list[Any]) -> set[Any]:
+    """The steps that these paths take from a place."""
+    size = len(place)
+    return {path[size] for path in paths if len(path) > size and path[:size] == place}
 
 
 def is_surplus(mapping: dict[str, Any], value: Any, steps: list[Any], k: int, end: int) -> bool:
     """Whether an index among the first `end` steps leaves the same unread beside it."""
     if not any(isinstance(step, int) for step in steps[:end]):
         return False
-    named = indices_named(mapping)
+    named = paths_named(mapping)
     for at, index in enumerate(steps[:end]):
         if not isinstance(index, int):
             continue
         before, rest = steps[:at], steps[at + 1 :]
-        known = {p[-1] for p in named if p[:-1] == unconditional(before)}
+        place = unconditional(before)
+        paths = named.quantities + named.times + named.conditions
+        known = {n for n in next_steps(paths, place) if isinstance(n, int)}
         found = with_index(value, before, k)
         if not isinstance(found, list):
             continue
         if not rest:
+            first = min(n for n in next_steps(named.quantities, place) if isinstance(n, int))
             size = max(known) + 1
-            if known == set(range(size)) and len(found) > size and len(found) % size == 0:
+            wholes = [len(found) % size == 0, (len(found) - first) % (size - first) == 0]
+            if len(found) > size and any(wholes):
                 return True
         elif any(leads(e, rest) for n, e in enumerate(found) if n not in known):
             return True
@@ -218,6 +247,42 @@ def leads(value: Any, steps: list[Any]) -> bool:
         found = elements(value, steps[:at])
         return found is SURPLUS or any(leads(element, steps[at + 1 :]) for element in found)
     return find(value, steps) not in (NOTHING, None)
+
+
+# Zeros that are left out.
+
+
+class Told(NamedTuple):
+    """What an object without a key tells of a zero."""
+
+    is_misspelt: bool
+    """Whether it has the key in other letter case."""
+    is_reading: bool
+    """Whether it has a key that is read, or none but those in conditions."""
+
+
+def told_by(mapping: dict[str, Any], found: dict[str, Any], place: list[Any], key: str) -> Told:
+    named = paths_named(mapping)
+    read = {str(s) for s in next_steps(named.quantities + named.times, place)}
+    tested = {str(s) for s in next_steps(named.conditions, place)}
+    others = [other for other in found if other not in read and other not in tested]
+    is_misspelt = any(other.casefold() == key.casefold() for other in others)
+    return Told(is_misspelt, is_reading=not others or any(other in read for other in found))
+
+
+def is_left_out(mapping: dict[str, Any], payload: Any, steps: list[Any], k: int) -> bool:
+    """Whether a path that leads to nothing ends at an object, as when a zero is left out."""
+    if not isinstance(steps[-1], str):
+        return False
+    start = steps.index(("*",)) + 1 if ("*",) in steps else 0
+    for at in range(start, len(steps)):
+        if with_index(payload, steps[: at + 1], k) is NOTHING:
+            found = with_index(payload, steps[:at], k)
+            if not isinstance(found, dict) or not isinstance(steps[at], str):
+                return False
+            told = told_by(mapping, found, unconditional(steps[:at]), steps[at])
+            return told.is_reading and not told.is_misspelt
+    return False
 
 
 # Numbers and quantities.
@@ -249,7 +314,7 @@ class Quantity:
         axes = GROUPS[group]
         texts = mapping[f"{group}_paths"]
         self.is_whole = len(texts) == 1
-        alternatives = [[way_of(way) for way in split(text, "|")] for text in texts]
+        alternatives = [[way_of(way, mapping) for way in split(text, "|")] for text in texts]
         if self.is_whole:
             alternatives = [[(s, [*w, n]) for s, w in alternatives[0]] for n in range(len(axes))]
         written = (mapping.get("orientation_order") or axes) if group == "orientation" else axes
@@ -262,35 +327,44 @@ class Quantity:
 
     def single(self, payload: Any) -> Any:
         """Numbers, a Fault, or None."""
-        for ways in self.alternatives:
-            found = self.sample(payload, ways, 0)
-            if found is not None:
-                return found
-        return None
+        return self.first_of(lambda ways, zeros: self.sample(payload, ways, 0, zeros=zeros))
 
     def several(self, payload: Any) -> Any:
         """A list of them, one Fault for all, or None."""
-        for ways in self.alternatives:
-            cuts = [steps.index(("*",)) for _, steps in ways]
-            lists = [elements(payload, s[:at]) for (_, s), at in zip(ways, cuts, strict=True)]
-            if all(found == [] for found in lists):
-                continue
-            if SURPLUS in lists or any(self.is_surplus_before(payload, s) for _, s in ways):
-                return Fault("surplus")
-            counts = {len(found) for found in lists if found}
-            if len(counts) > 1:
-                return Fault("uneven")
-            return [self.sample(payload, ways, k) for k in range(max(counts))]
+        return self.first_of(lambda ways, zeros: self.rows(payload, ways, zeros=zeros))
+
+    def first_of(self, look: Any) -> Any:
+        """The first alternative with a value; else the first."""
+        for zeros in (False, True) if self.mapping.get("absent") == "zero" else (True,):
+            for ways in self.alternatives:
+                found = look(ways, zeros)
+                is_nothing = found is None or (
+                    not zeros and isinstance(found, list) and all(one is None for one in found)
+                )
+                if not is_nothing:
+                    return look(ways, True)
         return None
+
+    def rows(self, payload: Any, ways: list[Any], *, zeros: bool) -> Any:
+        cuts = [steps.index(("*",)) for _, steps in ways]
+        lists = [elements(payload, s[:at]) for (_, s), at in zip(ways, cuts, strict=True)]
+        if all(found == [] for found in lists):
+            return None
+        if SURPLUS in lists or any(self.is_surplus_before(payload, s) for _, s in ways):
+            return Fault("surplus")
+        counts = {len(found) for found in lists if found}
+        if len(counts) > 1:
+            return Fault("uneven")
+        return [self.sample(payload, ways, k, zeros=zeros) for k in range(max(counts))]
 
     def is_surplus_before(self, payload: Any, steps: list[Any]) -> bool:
         """Whether an index before the `[*]` leaves the same unread, in any element."""
         return is_surplus(self.mapping, payload, steps, 0, end=steps.index(("*",)))
 
-    def sample(self, payload: Any, ways: list[Any], k: int) -> Any:
+    def sample(self, payload: Any, ways: list[Any], k: int, *, zeros: bool) -> Any:
         found = [with_index(payload, steps, k) for _, steps in ways]
         if all(value in (NOTHING, None) for value in found):
-            return self.zeros(payload, ways, k)
+            return self.zeros(payload, ways, k) if zeros else None
         for value, (_, steps) in zip(found, ways, strict=True):
             # The length of a list of all components is another matter.
             end = len(steps) - self.is_whole
@@ -298,7 +372,7 @@ class Quantity:
                 return Fault("surplus")
         zero = self.mapping.get("absent") == "zero"
         for value, (_, steps) in zip(found, ways, strict=True):
-            if value is NOTHING and not (zero and isinstance(steps[-1], str)):
+            if value is NOTHING and not (zero and is_left_out(self.mapping, payload, steps, k)):
                 return Fault("incomplete")
         if self.is_whole:
             parent = with_index(payload, ways[0][1][:-1], k)
@@ -316,7 +390,11 @@ class Quantity:
         parent = with_index(payload, parents[0], k)
         if not isinstance(parent, dict) or any(key in parent for key in keys):
             return None
-        return self.convert([0] * len(ways), ways)
+        place = unconditional(parents[0])
+        told = [told_by(self.mapping, parent, place, key) for key in keys]
+        if any(one.is_misspelt for one in told):
+            return Fault("incomplete")
+        return self.convert([0] * len(ways), ways) if told[0].is_reading else None
 
     def convert(self, values: list[Any], ways: list[Any]) -> Any:
         if any(self.is_sentinel(value) for value in values):
@@ -350,27 +428,61 @@ def nanoseconds(value: Any, unit: int, mapping: dict[str, Any]) -> int | None:
         if not mapping.get("numeric_strings"):
             return None
         try:
-            value = json.loads(value)
+            value = json.loads(value.strip())
         except ValueError:
             return None
     elif isinstance(value, str):
-        try:
-            date = datetime.fromisoformat(value)
-            return None if date.tzinfo is None else round(date.timestamp() * 1e6) * 1000
-        except (ValueError, OverflowError):
-            return None
+        return from_iso(value.strip().upper())
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     if isinstance(value, float) and not abs(value) < 1e18:
         return None
-    return int(value * unit)
+    return int(value) * unit if value == int(value) else int(value * unit)
+
+
+ISO = re.compile(
+    r"([0-9]{4})-([0-9]{2})-([0-9]{2})[T ]([0-9]{2}):([0-9]{2}):([0-9]{2})"
+    r"(?:[.,]([0-9]+))?(Z|[-+][0-9]{2}:[0-9]{2})?"
+)
+
+
+def from_iso(text: str) -> int | None:
+    """The date of a text in upper case, by arithmetic if it is written as usual."""
+    found = ISO.fullmatch(text)
+    if found is None:
+        try:
+            date = datetime.fromisoformat(text)
+        except ValueError:
+            return None
+        return None if date.tzinfo is None else round(date.timestamp() * 1e6) * 1000
+    year, month, day, hour, minute, second = map(int, found.groups()[:6])
+    micros = int(((found[7] or "") + "000000")[:6])
+    if hour > 24 or minute > 59 or second > 60 or found[8] is None:
+        return None
+    if hour == 24 and (minute or second or micros):
+        return None
+    zone = "+00:00" if found[8] == "Z" else found[8]
+    offset = timedelta(hours=int(zone[1:3]), minutes=int(zone[4:]))
+    try:
+        date = datetime(year, month, day, tzinfo=UTC)
+        date += timedelta(hours=hour, minutes=minute, seconds=second, microseconds=micros)
+        date -= -offset if zone[0] == "-" else offset
+    except (ValueError, OverflowError):
+        return None
+    if second == 60 and (date.day, date.hour, date.minute, date.second) != (1, 0, 0, 0):
+        return None
+    return (date - datetime(1970, 1, 1, tzinfo=UTC)) // timedelta(microseconds=1) * 1000
 
 
 def date_of(values: list[Any], units: list[int], mapping: dict[str, Any]) -> int | None:
     parts = [nanoseconds(v, unit, mapping) for v, unit in zip(values, units, strict=True)]
     known = [part for part in parts if part is not None]
-    if len(known) < len(parts) or (len(parts) == 2 and not 0 <= known[1] < 10**9):
+    if len(known) < len(parts):
         return None
+    if len(parts) == 2:
+        is_text = isinstance(values[1], str) and not NUMBER.fullmatch(values[1].strip())
+        if known[0] % 10**9 or not 0 <= known[1] < 10**9 or is_text:
+            return None
     return is_possible(sum(known))
 
 
@@ -384,7 +496,7 @@ class Dates:
     def __init__(self, mapping: dict[str, Any]) -> None:
         self.mapping = mapping
         texts = mapping["time_paths"]
-        ways = [[way_of(way)[1] for way in split(text, "|")] for text in texts]
+        ways = [[way_of(way, mapping)[1] for way in split(text, "|")] for text in texts]
         self.alternatives = [list(steps) for steps in zip(*ways, strict=True)]
         self.units = [SECONDS[mapping["time_unit"]]] if len(texts) == 1 else [10**9, 1]
 
@@ -395,7 +507,9 @@ class Dates:
             return NOTHING
         zero = self.mapping.get("absent") == "zero"
         values = [
-            0 if value is NOTHING and zero and isinstance(steps[-1], str) else value
+            0
+            if value is NOTHING and zero and is_left_out(self.mapping, payload, steps, k)
+            else value
             for value, steps in zip(found, ways, strict=True)
         ]
         return date_of(values, self.units, self.mapping)
@@ -434,7 +548,7 @@ def interval_of(payload: Any, mapping: dict[str, Any]) -> int | None:
     value: Any = json.loads(what) if NUMBER.fullmatch(what) else NOTHING
     if value is NOTHING:
         for way in split(what, "|"):
-            value = find(payload, way_of(way)[1])
+            value = find(payload, way_of(way, mapping)[1])
             if value not in (NOTHING, None):
                 break
     number = number_of(value, 1.0, math.inf, mapping)
@@ -469,7 +583,7 @@ def together(mapping: dict[str, Any], results: dict[str, Any], date: Any) -> Out
 def read(mapping: dict[str, Any], payload: Any, *, device_time: bool) -> Any:
     """What the mapping makes of the payload."""
     for text in mapping.get("select", ()):
-        if not meets(payload, condition_of(text)):
+        if not meets(payload, condition_of(text, mapping.get("numeric_strings", False))):
             return "not_selected"
     quantities = {g: Quantity(mapping, g) for g in GROUPS if mapping.get(f"{g}_paths")}
     dates = Dates(mapping) if device_time else None

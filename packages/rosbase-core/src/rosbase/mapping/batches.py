@@ -30,8 +30,12 @@ def compile_batch_reader(components: Components) -> BatchReader:
         components,
         ways=tuple(Way(_behind(way.steps), way.sign) for way in components.ways),
         guards=tuple(
-            tuple(Guard(_behind(g.to_list), g.rest, g.covered) for g in found if EACH in g.to_list)
+            tuple(g._replace(to_list=_behind(g.to_list)) for g in found if EACH in g.to_list)
             for found in components.guards
+        ),
+        keys=tuple(
+            keys[way.steps.index(EACH) + 1 :]
+            for way, keys in zip(components.ways, components.keys, strict=True)
         ),
     )
     if len(set(lists)) == 1:

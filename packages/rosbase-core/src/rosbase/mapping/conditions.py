@@ -39,7 +39,7 @@ def _quick_pick(condition: Condition) -> Pick | None:
     """Return a quick step for the usual conditions, such as `kind=acc` and `list[0]!=-1`."""
     (steps, *others) = condition.paths
     key = str(steps[0])
-    if others or len(steps) > 2:
+    if others or len(steps) > 2 or condition.takes_text:
         return None
     if len(steps) == 1:
         return _pick_by_key(key, condition)

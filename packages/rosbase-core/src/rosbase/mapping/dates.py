@@ -1,15 +1,13 @@
 """Convert the dates in payloads to nanoseconds since 1970. An uptime is not a date."""
 
-import json
-import math
 from collections.abc import Sequence
-from datetime import datetime
 
 from rosbase.mapping.following import Missing
-from rosbase.mapping.reals import JSON_NUMBER
+from rosbase.mapping.iso_dates import iso_ns
+from rosbase.mapping.reals import number_in
 from rosbase.mapping.rejects import Reject
 
-__all__ = ["TIME_UNITS", "date_ns", "is_date"]
+__all__ = ["TIME_UNITS", "date_ns", "is_date", "to_whole_ns"]
 
 TIME_UNITS: dict[str, int] = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}
 """Units of a single time value, in nanoseconds."""
@@ -35,15 +33,17 @@ def date_ns(
         units: The unit of each value, in nanoseconds.
         numeric_strings: Whether a text that is a JSON number counts as one.
     """
-    total = part = 0
+    parts: list[int] = []
     for value, unit_ns in zip(values, units, strict=True):
         read = _to_ns(value, unit_ns, numeric_strings)
         if isinstance(read, Reject):
             return read
-        part = read
-        total += part
-    if len(values) == 2 and not 0 <= part < TIME_UNITS["s"]:
-        return _unusable("the nanoseconds are more than a second, or negative")
+        parts.append(read)
+    if len(parts) == 2:
+        wrong = _odd_pair(values[1], *parts)
+        if wrong:
+            return _unusable(wrong)
+    total = sum(parts)
     if is_date(total):
         return total
     if total < 0:
@@ -53,43 +53,46 @@ def date_ns(
     return _unusable("a date after the year 9999; is mapping.time.unit right?")
 
 
+def _odd_pair(rest: object, seconds_ns: int, rest_ns: int) -> str:
+    """Return why two parts are not whole seconds and the nanoseconds after them."""
+    if seconds_ns % TIME_UNITS["s"]:
+        return "the seconds have a fraction beside the nanoseconds; read one of them"
+    if isinstance(rest, str) and number_in(rest) is None:
+        return f"{_shown(rest)} is no number of nanoseconds"
+    is_part = 0 <= rest_ns < TIME_UNITS["s"]
+    return "" if is_part else "the nanoseconds are more than a second, or negative"
+
+
 def _unusable(why: str) -> Reject:
     return Reject("time_unusable", why)
 
 
 def _to_ns(value: object, unit_ns: int, numeric_strings: bool) -> int | Reject:
+    number: object = value
     if isinstance(value, str):
-        is_number = JSON_NUMBER.fullmatch(value.strip()) is not None
-        if is_number and not numeric_strings:
-            return _unusable(f"{_shown(value)} is text; set mapping.numeric_strings")
-        if not is_number:
+        number = number_in(value)
+        if number is None:
             return _from_iso(value)
-        value = _number(value)
-    if isinstance(value, int) and not isinstance(value, bool):
-        return value * unit_ns
-    if isinstance(value, float) and math.isfinite(value) and abs(value) < 1e18:
-        return int(value * unit_ns)
+        if not numeric_strings:
+            return _unusable(f"{_shown(value)} is text; set mapping.numeric_strings")
+    if isinstance(number, int) and not isinstance(number, bool):
+        return number * unit_ns
+    if isinstance(number, float) and abs(number) < 1e18:
+        return to_whole_ns(number, unit_ns)
     return _unusable(f"{_shown(value)} is no date")
 
 
-def _number(text: str) -> object:
-    try:
-        return json.loads(text)
-    except ValueError:
-        # What int() says to more than 4,300 digits.
-        return math.inf
+def to_whole_ns(number: float, unit_ns: int) -> int:
+    """Return a finite number of units in nanoseconds, without a rounding if it is whole."""
+    whole = int(number)
+    return whole * unit_ns if whole == number else int(number * unit_ns)
 
 
 def _from_iso(text: str) -> int | Reject:
     try:
-        date = datetime.fromisoformat(text)
-        seconds = date.timestamp()
-    except (ValueError, OverflowError):
-        return _unusable(f"{_shown(text)} is no date")
-    if date.tzinfo is None:
-        # It could be any of forty hours.
-        return _unusable(f"{_shown(text)} has no time zone")
-    return round(seconds * 1e6) * 1_000
+        return iso_ns(text)
+    except ValueError as error:
+        return _unusable(f"{_shown(text)} {error}")
 
 
 def _shown(value: object) -> str:

@@ -3,6 +3,7 @@
 from typing import Any, Final
 
 from rosbase.mapping.paths import Condition, Scalar, Steps, Where, show_steps
+from rosbase.mapping.reals import number_in
 from rosbase.mapping.rejects import Reject
 
 __all__ = ["MISSING", "Missing", "follow", "holds", "matching", "resolve"]
@@ -52,7 +53,7 @@ def holds(condition: Condition, value: object) -> bool:
     if not isinstance(value, (dict, list)):
         return False
     found = resolve(value, condition.paths)
-    return (found is not MISSING and _is_same(found, condition.value)) is condition.is_equal
+    return (found is not MISSING and _is_same(found, condition)) is condition.is_equal
 
 
 def matching(elements: list[Any], where: Where) -> list[Any]:
@@ -77,6 +78,9 @@ def _in_list(value: list[Any], step: object) -> Any:
     return found[0] if found else MISSING
 
 
-def _is_same(found: object, wanted: Scalar) -> bool:
+def _is_same(found: object, condition: Condition) -> bool:
+    wanted: Scalar = condition.value
+    if condition.takes_text and isinstance(found, str):
+        return number_in(found) == wanted
     # In JSON, unlike in Python, true is not 1.
     return isinstance(found, bool) is isinstance(wanted, bool) and bool(found == wanted)

@@ -12,7 +12,7 @@ from rosbase.mapping.paths import EACH, Path
 from rosbase.mapping.reals import JSON_NUMBER, to_float
 from rosbase.mapping.rejects import Reject
 
-__all__ = ["IntervalReader", "compile_interval"]
+__all__ = ["IntervalReader", "compile_interval", "interval_path"]
 
 IntervalReader: TypeAlias = Callable[[object], int | None]
 """From a payload to nanoseconds, or None if the payload has no usable interval."""
@@ -28,15 +28,13 @@ def compile_interval(text: str, *, numeric_strings: bool) -> IntervalReader:
     Raises:
         MappingError: It describes none.
     """
-    what, _, unit = text.strip().rpartition(" ")
-    if unit not in (*TIME_UNITS, _RATE) or not what.strip():
-        raise MappingError(f"mapping.time.interval is not {text!r}: {_HOW}")
-    if JSON_NUMBER.fullmatch(what.strip()):
+    what, unit = _split(text)
+    if JSON_NUMBER.fullmatch(what):
         constant = _to_ns(float(what), unit)
         if constant is None:
             raise MappingError(f"mapping.time.interval is not {text!r}: it is up to a minute")
         return lambda payload: constant
-    path = parse_path(what)
+    path = interval_path(text, numeric_strings=numeric_strings)
     if any(EACH in way.steps or way.sign < 0 for way in path):
         raise MappingError("the path of mapping.time.interval has no [*] and no minus")
 
@@ -45,6 +43,26 @@ def compile_interval(text: str, *, numeric_strings: bool) -> IntervalReader:
         return None if isinstance(number, Reject) else _to_ns(number, unit)
 
     return read
+
+
+def interval_path(text: str, *, numeric_strings: bool = False) -> Path:
+    """Return the path to the interval; empty if it is a constant, or there is none.
+
+    Raises:
+        MappingError: The text describes no interval.
+    """
+    what, _ = _split(text) if text else ("", "")
+    if not what or JSON_NUMBER.fullmatch(what):
+        return ()
+    return parse_path(what, numeric_strings=numeric_strings)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return the number or path, and the unit."""
+    what, _, unit = text.strip().rpartition(" ")
+    if unit not in (*TIME_UNITS, _RATE) or not what.strip():
+        raise MappingError(f"mapping.time.interval is not {text!r}: {_HOW}")
+    return what.strip(), unit
 
 
 def _find(payload: object, path: Path) -> object:

@@ -8,6 +8,7 @@ from typing import Any
 
 from rosbase.errors import MappingError
 from rosbase.mapping.paths import (
+    ALONE,
     BARE_KEY,
     EACH,
     INDEX,
@@ -27,16 +28,22 @@ _BLANKS = re.compile(r"\s*")
 _PLAIN_VALUE = re.compile(r"""[^\[\]{}"'|=<>]*""")
 _NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
 _WORDS: dict[str, Scalar] = {"true": True, "false": False, "null": None}
+_NEARLY_WORDS = {"None": "null"}
+_NEARLY_NUMBER = re.compile(r"[-+]?(?=\.?\d)(?P<whole>\d*)\.?\d*([eE][-+]?\d+)?", re.ASCII)
 _QUOTE = 'write keys with other signs in double quotes, such as "accel.x"'
 
 
-def parse_path(text: str) -> Path:
+def parse_path(text: str, *, numeric_strings: bool = False) -> Path:
     """Return the path that `text` describes.
+
+    Args:
+        text: The path as a user wrote it.
+        numeric_strings: Whether its conditions take a text such as "1" as the number.
 
     Raises:
         MappingError: It is no path; the message says what to write instead.
     """
-    scanner = _Scanner(text, "a path")
+    scanner = _Scanner(text, "a path", numeric_strings=numeric_strings)
     ways = [_way(scanner)]
     while scanner.take("|"):
         ways.append(_way(scanner))
@@ -46,13 +53,17 @@ def parse_path(text: str) -> Path:
     return tuple(ways)
 
 
-def parse_condition(text: str) -> Condition:
+def parse_condition(text: str, *, numeric_strings: bool = False) -> Condition:
     """Return the condition that `text` describes, such as `T=1002` or `kind!=status`.
+
+    Args:
+        text: The condition as a user wrote it.
+        numeric_strings: Whether it takes a text such as "1002" as the number.
 
     Raises:
         MappingError: It is no condition; the message says what to write instead.
     """
-    scanner = _Scanner(text, "a condition such as T=1002")
+    scanner = _Scanner(text, "a condition such as T=1002", numeric_strings=numeric_strings)
     scanner.skip_blanks()
     condition = _condition(scanner, _simple_paths(scanner))
     scanner.expect_end("write the value in double quotes")
@@ -62,9 +73,10 @@ def parse_condition(text: str) -> Condition:
 class _Scanner:
     """A text, and the position of the next character."""
 
-    def __init__(self, text: str, kind: str) -> None:
+    def __init__(self, text: str, kind: str, *, numeric_strings: bool) -> None:
         self._text = text
         self._kind = kind
+        self.numeric_strings = numeric_strings
         self._at = 0
 
     def refuse(self, why: str) -> MappingError:
@@ -145,11 +157,7 @@ def _first_key(scanner: _Scanner) -> str | int:
         raise scanner.refuse("it is empty")
     if scanner.peek() == ".":
         raise scanner.refuse("it begins with a key, not with a dot")
-    is_quoted = scanner.peek() == '"'
-    key = _key(scanner)
-    if key in ("$", "@") and not is_quoted:
-        raise scanner.refuse(f"it begins at the top of the payload; leave out {key!r}")
-    return key
+    return _key(scanner)
 
 
 def _key(scanner: _Scanner) -> str | int:
@@ -158,6 +166,11 @@ def _key(scanner: _Scanner) -> str | int:
     key = scanner.match(BARE_KEY)
     if not key:
         raise scanner.refuse(_why_no_key(scanner.peek()))
+    if key in ALONE:
+        raise scanner.refuse(
+            f"a path begins at the top of the payload without a sign; leave out {key!r}, or write "
+            "it in double quotes if it is a key"
+        )
     return int(key) if INDEX.fullmatch(key) else key
 
 
@@ -220,11 +233,15 @@ def _simple_steps(scanner: _Scanner) -> Steps:
 def _condition(scanner: _Scanner, paths: tuple[Steps, ...]) -> Condition:
     is_equal = not scanner.take("!")
     if not scanner.take("="):
-        raise scanner.refuse("a condition is written path=value or path!=value")
+        sign = scanner.peek()
+        is_odd = sign not in ("", "<", ">", "]") and not BARE_KEY.match(sign)
+        hint = f"; {_QUOTE}" if is_odd and is_equal else ""
+        raise scanner.refuse(f"a condition is written path=value or path!=value{hint}")
     scanner.skip_blanks()
     value = scanner.quoted() if scanner.peek() == '"' else _plain_value(scanner)
     scanner.skip_blanks()
-    return Condition(paths, value, is_equal)
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return Condition(paths, value, is_equal, takes_text=is_number and scanner.numeric_strings)
 
 
 def _plain_value(scanner: _Scanner) -> Scalar:
@@ -235,7 +252,7 @@ def _plain_value(scanner: _Scanner) -> Scalar:
     if text in _WORDS:
         return _WORDS[text]
     if not _NUMBER.fullmatch(text):
-        return text
+        return _plain_text(scanner, text)
     try:
         number: Any = json.loads(text)
     except ValueError:
@@ -243,3 +260,13 @@ def _plain_value(scanner: _Scanner) -> Scalar:
     if not math.isfinite(number):
         raise scanner.refuse("the number is too large")
     return float(number) if isinstance(number, float) else int(number)
+
+
+def _plain_text(scanner: _Scanner, text: str) -> str:
+    """Return the text, unless it looks like another value of JSON."""
+    word = _NEARLY_WORDS.get(text, text.lower())
+    found = _NEARLY_NUMBER.fullmatch(text)
+    if word in _WORDS or (found and found["whole"] != text):
+        meant = word if word in _WORDS else "the number as in JSON"
+        raise scanner.refuse(f'write {meant}, or "{text}" in double quotes for the text')
+    return text

@@ -13,6 +13,7 @@ from attrs import field, frozen
 from rosbase.errors import MappingError
 
 __all__ = [
+    "ALONE",
     "BARE_KEY",
     "EACH",
     "INDEX",
@@ -29,8 +30,13 @@ __all__ = [
     "variants",
 ]
 
-BARE_KEY: Final = re.compile(r"""[^\s.\[\]|"'=<>!,*+-][^\s.\[\]|"'=<>!,*]*""")
-"""A key that is written without quotes."""
+_SIGN = r"""\s.\[\]|"'=<>!,*+/\\(){}:;?&%#^~`\u2018-\u201f"""
+
+BARE_KEY: Final = re.compile(rf"[^{_SIGN}-][^{_SIGN}]*")
+"""A key that is written without quotes. Signs of other path languages need them."""
+
+ALONE: Final = frozenset({"$", "@"})
+"""The top of a payload in JSONPath. As a key, each needs quotes."""
 
 INDEX: Final = re.compile(r"0|[1-9]\d{0,8}", re.ASCII)
 """An index of a list, or the same digits as the key of an object."""
@@ -64,15 +70,28 @@ class Condition:
     value: Scalar = field(eq=_as_json)
     is_equal: bool = True
     """False for `!=`, which also holds if the path leads to nothing."""
+    takes_text: bool = False
+    """Whether a text that is a JSON number counts as that number."""
 
     def contradicts(self, other: "Condition") -> bool:
         """Return whether the two conditions never hold for the same value."""
         if self.paths != other.paths:
-            return False
+            return self.is_equal and other.is_equal and self._is_inside(other)
         is_same = _as_json(self.value) == _as_json(other.value)
         if self.is_equal and other.is_equal:
-            return not is_same
+            return not is_same and not self._may_be_text(other) and not other._may_be_text(self)
         return is_same and self.is_equal is not other.is_equal
+
+    def _may_be_text(self, other: "Condition") -> bool:
+        """Return whether the other condition may want this one's number as a text."""
+        return self.takes_text and isinstance(other.value, str)
+
+    def _is_inside(self, other: "Condition") -> bool:
+        """Return whether one path leads into the value of the other, which has no inside."""
+        if len(self.paths) > 1 or len(other.paths) > 1:
+            return False
+        short, long = sorted((self.paths[0], other.paths[0]), key=len)
+        return short == long[: len(short)]
 
 
 class Where(NamedTuple):
@@ -136,5 +155,5 @@ def _show_bracket(step: int | Where | Each) -> str:
 
 
 def _show_key(key: str) -> str:
-    needs_quotes = INDEX.fullmatch(key) or not BARE_KEY.fullmatch(key) or key == "$"
+    needs_quotes = INDEX.fullmatch(key) or not BARE_KEY.fullmatch(key) or key in ALONE
     return json.dumps(key, ensure_ascii=False) if needs_quotes else key

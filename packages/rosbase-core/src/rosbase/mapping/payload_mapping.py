@@ -1,22 +1,25 @@
 """A whole mapping, compiled from data to a function that reads frames."""
 
-from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, TypeAlias, TypeVar
 
 from attrs import field, frozen
 
 from rosbase.errors import MappingError
+from rosbase.mapping.alternatives import compile_alternatives
 from rosbase.mapping.assembly import Row, Slot
 from rosbase.mapping.batches import compile_batch_reader
 from rosbase.mapping.clashes import check_clashes, check_conditions
 from rosbase.mapping.conditions import compile_condition
 from rosbase.mapping.description import Quantity, TimeMapping
-from rosbase.mapping.intervals import IntervalReader, compile_interval
+from rosbase.mapping.intervals import IntervalReader, compile_interval, interval_path
+from rosbase.mapping.known_keys import KnownKeys
 from rosbase.mapping.path_text import parse_condition
-from rosbase.mapping.paths import EACH, Condition, Steps, Way
+from rosbase.mapping.paths import EACH, Condition, Steps, Way, show_steps
 from rosbase.mapping.payload_reading import FrameReader, Plan, batch_reader, single_reader
 from rosbase.mapping.quantities import Components
 from rosbase.mapping.quick_reading import compile_reader
+from rosbase.mapping.reachable import check_reachable
 from rosbase.mapping.surplus import Covered, covered_indices, guards_of
 from rosbase.mapping.times import Dates
 from rosbase.mapping.ways import check_time, quantity_ways, time_ways
@@ -24,13 +27,21 @@ from rosbase.mapping.ways import check_time, quantity_ways, time_ways
 __all__ = ["ABSENT", "PayloadMapping"]
 
 SampleT = TypeVar("SampleT")
-NumbersT = TypeVar("NumbersT")
 
 _Alternatives: TypeAlias = dict[str, list[tuple[Way, ...]]]
 """The ways to the components of each alternative, by quantity."""
 
 ABSENT = ("missing", "zero")
 """The values of `PayloadMapping.absent`."""
+
+
+class _Names(NamedTuple):
+    """The keys and indices that a mapping names."""
+
+    read: list[Steps]
+    """The ways to the numbers of all quantities."""
+    covered: Covered
+    keys: KnownKeys
 
 
 @frozen
@@ -72,25 +83,29 @@ class PayloadMapping:
         ways = self._alternatives()
         is_batch = _is_batch(ways)
         check_time(self.time, is_batch=is_batch, is_wanted=device_time)
-        conditions = [parse_condition(text) for text in self.select]
+        conditions = [
+            parse_condition(text, numeric_strings=self.numeric_strings) for text in self.select
+        ]
         check_conditions(conditions)
-        check_clashes({**_steps(ways), **(self._time_steps() if device_time else {})})
+        read = {**_steps(ways), **(self._time_steps() if device_time else {})}
+        check_clashes(read)
+        check_reachable(conditions, read)
+        names = self._names(ways, conditions)
         used = {n: quantity for n, quantity in enumerate(self.quantities) if quantity.paths}
         plan = Plan(
             conditions=tuple(compile_condition(condition) for condition in conditions),
             slots=tuple(Slot(n, q.name, q.required) for n, q in used.items()),
             size=len(self.quantities),
             nothing=nothing,
-            dates=self._dates() if device_time else None,
+            dates=self._dates(names.keys) if device_time else None,
             interval=self._interval(),
         )
-        covered = self._covered(ways, conditions)
-        components = [self._components(q, ways[q.name], covered) for q in used.values()]
+        components = [self._components(q, ways[q.name], names) for q in used.values()]
         if is_batch:
-            batches = [[compile_batch_reader(c) for c in found] for found in components]
-            return batch_reader(plan, [_first_of(readers) for readers in batches], make)
-        singles = [[compile_reader(c) for c in found] for found in components]
-        return single_reader(plan, [_first_of(readers) for readers in singles], make)
+            batches = [compile_alternatives(found, compile_batch_reader) for found in components]
+            return batch_reader(plan, batches, make)
+        singles = [compile_alternatives(found, compile_reader) for found in components]
+        return single_reader(plan, singles, make)
 
     def _check_values(self) -> None:
         if self.absent not in ABSENT:
@@ -104,14 +119,19 @@ class PayloadMapping:
                 )
 
     def _alternatives(self) -> _Alternatives:
-        return {q.name: quantity_ways(q) for q in self.quantities if q.paths}
+        return {
+            q.name: quantity_ways(q, numeric_strings=self.numeric_strings)
+            for q in self.quantities
+            if q.paths
+        }
 
     def _time_steps(self) -> dict[str, list[list[Steps]]]:
-        return _steps({"the time": time_ways(self.time)})
+        return _steps({"the time": time_ways(self.time, numeric_strings=self.numeric_strings)})
 
-    def _dates(self) -> Dates:
+    def _dates(self, known: KnownKeys) -> Dates:
         return Dates(
             self.time,
+            known,
             numeric_strings=self.numeric_strings,
             absent_is_zero=self.absent == "zero",
         )
@@ -121,16 +141,16 @@ class PayloadMapping:
             return None
         return compile_interval(self.time.interval, numeric_strings=self.numeric_strings)
 
-    def _covered(self, ways: _Alternatives, conditions: Sequence[Condition]) -> Covered:
-        """Return the indices that the mapping names, by list."""
-        steps = {**_steps(ways), **self._time_steps()}
-        named = [way for found in steps.values() for components in found for way in components]
-        return covered_indices(
-            named + [path for condition in conditions for path in condition.paths]
-        )
+    def _names(self, ways: _Alternatives, conditions: Sequence[Condition]) -> _Names:
+        """Return the keys and indices that the mapping names."""
+        read = _flat(_steps(ways))
+        interval = interval_path(self.time.interval, numeric_strings=self.numeric_strings)
+        named = [*read, *_flat(self._time_steps()), *(way.steps for way in interval)]
+        selected = [path for condition in conditions for path in condition.paths]
+        return _Names(read, covered_indices(named + selected), KnownKeys(named, conditions))
 
     def _components(
-        self, quantity: Quantity, alternatives: Sequence[tuple[Way, ...]], covered: Covered
+        self, quantity: Quantity, alternatives: Sequence[tuple[Way, ...]], names: _Names
     ) -> list[Components]:
         """Return the components of a quantity for each alternative."""
         is_whole = quantity.is_whole
@@ -141,11 +161,15 @@ class PayloadMapping:
                 factor=quantity.factor,
                 largest=quantity.largest,
                 is_whole=is_whole,
-                guards=tuple(tuple(guards_of(w, covered, is_whole=is_whole)) for w in ways),
+                guards=tuple(
+                    tuple(guards_of(w, names.covered, names.read, is_whole=is_whole)) for w in ways
+                ),
+                keys=tuple(names.keys.along(way.steps) for way in ways),
+                shown=tuple(show_steps(way.steps) for way in ways),
                 numeric_strings=self.numeric_strings,
                 sentinels=frozenset(self.sentinels),
                 absent_is_zero=self.absent == "zero",
-                has_object=len({w.steps[:-1] for w in ways}) == 1 and len(ways[0].steps) > 1,
+                has_object=_has_object(ways),
                 finish=quantity.finish,
             )
             for ways in alternatives
@@ -166,18 +190,10 @@ def _steps(alternatives: _Alternatives) -> dict[str, list[list[Steps]]]:
     }
 
 
-def _first_of(
-    readers: Sequence[Callable[[Any], NumbersT | None]],
-) -> Callable[[Any], NumbersT | None]:
-    """Return a reader of the first alternative that is in the payload."""
-    if len(readers) == 1:
-        return readers[0]
+def _has_object(ways: Sequence[Way]) -> bool:
+    """Return whether the components stand together below the top of the payload."""
+    return len({way.steps[:-1] for way in ways}) == 1 and len(ways[0].steps) > 1
 
-    def read_first(payload: object) -> NumbersT | None:
-        for read in readers:
-            found = read(payload)
-            if found is not None:
-                return found
-        return None
 
-    return read_first
+def _flat(ways: Mapping[str, Sequence[Sequence[Steps]]]) -> list[Steps]:
+    return [steps for found in ways.values() for components in found for steps in components]

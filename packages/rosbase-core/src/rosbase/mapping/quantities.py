@@ -7,7 +7,8 @@ from typing import TypeAlias
 from attrs import field, frozen
 
 from rosbase.mapping.following import MISSING, follow
-from rosbase.mapping.paths import Steps, Way, show_steps
+from rosbase.mapping.known_keys import Keys, is_left_out
+from rosbase.mapping.paths import Steps, Way
 from rosbase.mapping.reals import to_float
 from rosbase.mapping.rejects import Reject
 from rosbase.mapping.surplus import Guard, surplus_at
@@ -31,13 +32,17 @@ class Components:
     """Whether one path leads to a list of all components, and of nothing else."""
     guards: tuple[tuple[Guard, ...], ...]
     """The guards of the indices on each way."""
+    keys: tuple[tuple[Keys, ...], ...]
+    """The keys known in the objects on each way."""
+    shown: tuple[str, ...]
+    """The ways from the top of the payload, for people."""
     numeric_strings: bool = False
     sentinels: frozenset[float] = frozenset()
     """Numbers of the payload that mean that there is no reading."""
     absent_is_zero: bool = False
     """Whether the encoder leaves zeros out."""
     has_object: bool = False
-    """Whether the components stand together below the top of the payload."""
+    """Whether the vector is zero if only the object for its components is there."""
     finish: Callable[[Numbers], Numbers | Reject] | None = None
     """A function that checks, and may correct, the components together."""
     factors: tuple[float, ...] = field(init=False)
@@ -69,8 +74,8 @@ class Judge:
             reject = value if isinstance(value, Reject) else surplus_at(place, guards)
             if reject is not None:
                 return self._named(reject)
-        lacking = [way for way, v in zip(self._steps, found, strict=True) if v is MISSING]
-        if lacking and not self._may_be_zero(lacking):
+        lacking = [n for n, value in enumerate(found) if value is MISSING]
+        if lacking and not self._are_left_out(lacking, places):
             return Reject("incomplete", self._lack(lacking))
         if self._of.is_whole and self._is_longer(places[0]):
             return Reject("wrong_type", f"{self._of.name}: a list of another length")
@@ -78,11 +83,21 @@ class Judge:
 
     def _nothing(self, places: Sequence[object]) -> Numbers | Reject | None:
         """Return zeros if the encoder leaves zeros out and the components' object is there."""
-        if self._parent is not None and self._of.has_object and self._may_be_zero(self._steps):
-            parent = follow(places[0], self._parent)
-            if isinstance(parent, dict) and not any(way[-1] in parent for way in self._steps):
-                return self._convert([0.0] * len(places))
-        return None
+        steps, known = self._steps, self._of.keys
+        if self._parent is None or not self._of.has_object or not self._may_be_zero(steps):
+            return None
+        parent = follow(places[0], self._parent)
+        if not isinstance(parent, dict) or any(way[-1] in parent for way in steps):
+            return None
+        misspelt = [n for n, k in enumerate(known) if k[-1].is_misspelt(str(steps[n][-1]), parent)]
+        if misspelt:
+            return Reject("incomplete", self._lack(misspelt))
+        return self._convert([0.0] * len(places)) if known[0][-1].holds_reading(parent) else None
+
+    def _are_left_out(self, lacking: Sequence[int], places: Sequence[object]) -> bool:
+        return self._of.absent_is_zero and all(
+            is_left_out(places[n], self._steps[n], self._of.keys[n]) for n in lacking
+        )
 
     def _may_be_zero(self, ways: Sequence[Steps]) -> bool:
         return self._of.absent_is_zero and self._are_keys(ways)
@@ -90,9 +105,10 @@ class Judge:
     def _are_keys(self, ways: Sequence[Steps]) -> bool:
         return all(way and isinstance(way[-1], str) for way in ways)
 
-    def _lack(self, ways: Sequence[Steps]) -> str:
-        shown = ", ".join(show_steps(way) for way in ways)
-        is_zero = self._are_keys(ways) and not self._of.absent_is_zero
+    def _lack(self, lacking: Sequence[int]) -> str:
+        shown = ", ".join(self._of.shown[n] for n in lacking)
+        are_keys = self._are_keys([self._steps[n] for n in lacking])
+        is_zero = are_keys and not self._of.absent_is_zero
         hint = "; mapping.absent:=zero if zeros are left out" if is_zero else ""
         return f"{self._of.name} lacks {shown}{hint}"
 

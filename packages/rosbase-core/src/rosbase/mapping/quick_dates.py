@@ -4,7 +4,7 @@ from collections.abc import Callable
 from operator import itemgetter
 from typing import Any, TypeAlias
 
-from rosbase.mapping.dates import is_date
+from rosbase.mapping.dates import is_date, to_whole_ns
 from rosbase.mapping.paths import Steps
 from rosbase.mapping.times import Date, Dates
 
@@ -63,7 +63,7 @@ def _number(parent: Steps, key: Any, unit_ns: int, careful: DateReader) -> DateR
         except (KeyError, IndexError, TypeError):
             return careful(payload)
         if value.__class__ is int or (value.__class__ is float and abs(value) < 1e18):
-            total = int(value * unit_ns)
+            total = to_whole_ns(value, unit_ns)
             if is_date(total):
                 return total
         return careful(payload)

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
 from rosbase.mapping.following import MISSING, follow, matching
+from rosbase.mapping.known_keys import condition_places, plain_of
 from rosbase.mapping.paths import EACH, Steps, Way, Where, show_steps
 from rosbase.mapping.rejects import Reject
 
@@ -24,46 +25,41 @@ class Guard(NamedTuple):
     rest: Steps
     """The way from the element to the number; empty if the element is the number."""
     covered: frozenset[int]
+    first: int
+    """The first index at which a quantity is; what stands before is of the whole list."""
 
 
 def covered_indices(ways: Iterable[Steps]) -> Covered:
     """Return the indices in these ways and in their conditions, by list."""
     covered: Covered = {}
     for steps in ways:
-        for plain in _without_conditions(steps):
-            for at, step in enumerate(plain):
+        named = [(place, path) for place, c in condition_places(steps) for path in c.paths]
+        for place, path in [*named, ((), plain_of(steps))]:
+            for at, step in enumerate(path):
                 if isinstance(step, int):
-                    covered[plain[:at]] = covered.get(plain[:at], frozenset()) | {step}
+                    to_list = (*place, *path[:at])
+                    covered[to_list] = covered.get(to_list, frozenset()) | {step}
     return covered
 
 
-def _plain(steps: Steps) -> Steps:
-    return tuple(step for step in steps if not isinstance(step, Where))
-
-
-def _without_conditions(steps: Steps) -> Iterator[Steps]:
-    """Return the way alone, and the paths of its conditions from the top of the payload."""
-    plain: Steps = ()
-    for step in steps:
-        if isinstance(step, Where):
-            yield from (plain + path for condition in step.conditions for path in condition.paths)
-        else:
-            plain = (*plain, step)
-    yield plain
-
-
-def guards_of(way: Way, covered: Covered, *, is_whole: bool) -> Iterator[Guard]:
+def guards_of(
+    way: Way, covered: Covered, read: Iterable[Steps], *, is_whole: bool
+) -> Iterator[Guard]:
     """Return a guard for each index on the way to a number.
 
     Args:
         way: The way to the number.
         covered: The indices that the whole mapping names.
+        read: The ways to the numbers of all quantities.
         is_whole: Whether the last index comes from a path to a whole list, which needs no guard.
     """
     steps = way.steps
+    indices = covered_indices(map(plain_of, read))
     for at, step in enumerate(steps[:-1] if is_whole else steps):
         if isinstance(step, int):
-            yield Guard(steps[:at], steps[at + 1 :], covered[_plain(steps[:at])])
+            to_list = plain_of(steps[:at])
+            first = min(indices[to_list])
+            yield Guard(steps[:at], steps[at + 1 :], covered[to_list], first)
 
 
 def surplus_at(value: object, guards: Sequence[Guard]) -> Reject | None:
@@ -71,7 +67,8 @@ def surplus_at(value: object, guards: Sequence[Guard]) -> Reject | None:
     for guard in guards:
         found = follow(value, guard.to_list)
         if isinstance(found, list) and _holds_more(found, guard):
-            return Reject("surplus", f"{len(found)} elements at {show_steps(guard.to_list)}")
+            where = show_steps(guard.to_list) or "the top"
+            return Reject("surplus", f"{len(found)} elements at {where}{_cure(found, guard)}")
     return None
 
 
@@ -88,12 +85,19 @@ def elements_at(value: object, steps: Steps) -> list[object] | Reject:
     return found if isinstance(found, (list, Reject)) else []
 
 
+def _cure(elements: list[object], guard: Guard) -> str:
+    if guard.rest or not all(isinstance(step, (str, int)) for step in guard.to_list):
+        return ""
+    last = show_steps((*guard.to_list, len(elements) - 1))
+    return f"; if they are one sample, say so in mapping.select, such as {last}!=null"
+
+
 def _holds_more(elements: list[object], guard: Guard) -> bool:
     if not guard.rest:
-        # Numbers side by side, as in [ax, ay, az, gx, gy, gz, temp]. Anything may follow them,
-        # except the same numbers once more.
-        size = len(guard.covered)
-        return len(elements) > size and not len(elements) % size and max(guard.covered) < size
+        # Numbers side by side, as in [t, ax, ay, az, gx, gy, gz, temp]. Anything may follow them,
+        # except the same numbers once more, with or without those before the first.
+        count, size, head = len(elements), max(guard.covered) + 1, guard.first
+        return count > size and not (count % size and (count - head) % (size - head))
     others = (element for at, element in enumerate(elements) if at not in guard.covered)
     return any(_leads_somewhere(element, guard.rest) for element in others)
 

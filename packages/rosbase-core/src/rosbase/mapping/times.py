@@ -6,6 +6,7 @@ from typing import TypeAlias
 from rosbase.mapping.dates import TIME_UNITS, date_ns, is_date
 from rosbase.mapping.description import TimeMapping
 from rosbase.mapping.following import MISSING, follow
+from rosbase.mapping.known_keys import Keys, KnownKeys, is_left_out
 from rosbase.mapping.paths import EACH, Steps, show_steps
 from rosbase.mapping.rejects import Reject
 from rosbase.mapping.surplus import elements_at
@@ -20,9 +21,14 @@ Date: TypeAlias = int | Reject
 class Dates:
     """Reads the dates of one message."""
 
-    def __init__(self, time: TimeMapping, *, numeric_strings: bool, absent_is_zero: bool) -> None:
+    def __init__(
+        self, time: TimeMapping, known: KnownKeys, *, numeric_strings: bool, absent_is_zero: bool
+    ) -> None:
         """Prepare to read dates. `check_time` must have passed."""
-        self._alternatives = [tuple(way.steps for way in ways) for ways in time_ways(time)]
+        found = time_ways(time, numeric_strings=numeric_strings)
+        self._alternatives = [tuple(way.steps for way in ways) for ways in found]
+        self._keys = {ways: [known.along(steps) for steps in ways] for ways in self._alternatives}
+        """The keys known in the objects on each way, by alternative."""
         self.first_ways = self._alternatives[0]
         """The ways of the first alternative."""
         is_lone = len(time.paths) == 1
@@ -37,7 +43,7 @@ class Dates:
     def date(self, payload: object) -> Date:
         """Return the date of a payload with one sample."""
         for ways in self._alternatives:
-            date = self._judge([payload] * len(ways), ways)
+            date = self._judge([payload] * len(ways), ways, self._keys[ways])
             if date is not None:
                 return date
         return self._nothing
@@ -69,7 +75,7 @@ class Dates:
             for date in dates
         ]
 
-    def _each(self, payload: object, ways: Sequence[Steps], count: int) -> list[Date]:
+    def _each(self, payload: object, ways: tuple[Steps, ...], count: int) -> list[Date]:
         """Return the dates by one alternative; empty if it is absent."""
         lists: list[list[object]] = []
         for steps in ways:
@@ -81,16 +87,26 @@ class Dates:
             lengths = " and ".join(str(len(found)) for found in lists)
             return [Reject("time_unusable", f"{lengths} dates for {count} samples")] * count
         rests = [steps[steps.index(EACH) + 1 :] for steps in ways]
+        keys = [
+            known[steps.index(EACH) + 1 :]
+            for known, steps in zip(self._keys[ways], ways, strict=True)
+        ]
         rows = zip(*(found or [MISSING] * count for found in lists), strict=True)
-        return [self._judge(row, rests) or self._nothing for row in rows]
+        return [self._judge(row, rests, keys) or self._nothing for row in rows]
 
-    def _judge(self, places: Sequence[object], ways: Sequence[Steps]) -> Date | None:
+    def _judge(
+        self, places: Sequence[object], ways: Sequence[Steps], keys: Sequence[Sequence[Keys]]
+    ) -> Date | None:
         values = [follow(place, steps) for place, steps in zip(places, ways, strict=True)]
         if all(value is MISSING or value is None for value in values):
             return None
         for at, (value, steps) in enumerate(zip(values, ways, strict=True)):
             if isinstance(value, Reject):
                 return Reject("time_unusable", value.detail)
-            if value is MISSING and self._absent_is_zero and steps and isinstance(steps[-1], str):
+            if (
+                value is MISSING
+                and self._absent_is_zero
+                and is_left_out(places[at], steps, keys[at])
+            ):
                 values[at] = 0
         return date_ns(values, self.units, numeric_strings=self._numeric_strings)

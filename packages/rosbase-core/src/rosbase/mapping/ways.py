@@ -9,13 +9,17 @@ from rosbase.mapping.paths import EACH, Way, variants
 __all__ = ["check_time", "quantity_ways", "time_ways"]
 
 
-def quantity_ways(quantity: Quantity) -> list[tuple[Way, ...]]:
+def quantity_ways(quantity: Quantity, *, numeric_strings: bool) -> list[tuple[Way, ...]]:
     """Return the ways to the components, in their order, for each alternative.
+
+    Args:
+        quantity: The quantity as a user described it.
+        numeric_strings: Whether a text that is a number counts as one.
 
     Raises:
         MappingError: A path is none, or there are too few or too many.
     """
-    paths = [parse_path(text) for text in quantity.paths]
+    paths = [parse_path(text, numeric_strings=numeric_strings) for text in quantity.paths]
     count = len(quantity.components)
     if quantity.is_whole:
         (lone,) = paths
@@ -28,13 +32,18 @@ def quantity_ways(quantity: Quantity) -> list[tuple[Way, ...]]:
     return variants(in_order, quantity.name)
 
 
-def time_ways(time: TimeMapping) -> list[tuple[Way, ...]]:
+def time_ways(time: TimeMapping, *, numeric_strings: bool = False) -> list[tuple[Way, ...]]:
     """Return the ways to the parts of a date, for each alternative.
+
+    Args:
+        time: The place of the date as a user described it.
+        numeric_strings: Whether a text that is a number counts as one.
 
     Raises:
         MappingError: A path is none, or they have different numbers of alternatives.
     """
-    return variants([parse_path(text) for text in time.paths], "mapping.time")
+    paths = [parse_path(text, numeric_strings=numeric_strings) for text in time.paths]
+    return variants(paths, "mapping.time")
 
 
 def check_time(time: TimeMapping, *, is_batch: bool, is_wanted: bool) -> None:

@@ -46,7 +46,11 @@ def mapped_by(mapping: ImuMapping) -> Mapped:
     texts: dict[str, tuple[str, ...]] = {
         group: getattr(mapping, f"{group}_paths") for group in ordered
     }
-    steps = {group: [parse_path(path)[0].steps for path in paths] for group, paths in texts.items()}
+    texts_count = mapping.numeric_strings
+    steps = {
+        group: [parse_path(path, numeric_strings=texts_count)[0].steps for path in paths]
+        for group, paths in texts.items()
+    }
     return Mapped(steps, frozenset(mapping.sentinels))
 
 
