@@ -76,6 +76,18 @@ FRAMES: dict[str, tuple[bytes, str]] = {
     "nan of Windows": (b'{"ax":1.#QNAN,"ay":0.5}', "nan or inf, as C prints them"),
     "nan and commas": (b'{"ax":nan,"ay":0,5}', "point; nan or inf, as C prints them"),
     "keys without quotes": (b"{ax:0.1, ay:0.2}", "keys without quotes"),
+    "curly quotes": ("{\u201cacc\u201d:[0,0,9.8]}".encode(), "curly quotes"),
+    "curly quotes around an object": (
+        '{\u201eacc\u201c:{"x":0.1}}'.encode(),
+        "curly quotes, as a word processor makes them",
+    ),
+    "single curly quotes": ("{\u2018ax\u2019:0.1,\u2018ay\u2019:0.2}".encode(), "curly quotes"),
+    "equals signs in JSON": (b'{"acc"=[0,0,9.8]}', "an equals sign where JSON has a colon"),
+    "equals signs inside": (b'{"a":{"x" = 0.1,"y" = -2},"b":5}', "an equals sign"),
+    "one runs into the next after lists": (
+        b'{"acc":[0,0,9.8],"gyr":[0,0,1],"t{"acc":[0,0,9.8],"gyr":[0,0,1]}',
+        "one line runs into the next",
+    ),
     "a last comma": (b'{"ax":0.1,"ay":0.2,}', "a comma before a closing bracket"),
     "a plus": (b'{"ax":+0.1,"ay":-0.2}', "numbers that JSON does not know"),
     "a point without a digit": (b'{"ax":.1,"ay":2.}', "numbers that JSON does not know"),
@@ -168,7 +180,15 @@ def test_only_what_devices_say_that_work_is_harmless(name: str) -> None:
 
 @pytest.mark.parametrize(
     "frame",
-    [b"MPU6050 Found!", b"hello", b"Adafruit ICM20948 test!", b"", b"  ", b"calibrating..."],
+    [
+        b'{acc -> [0,0,9.8], "t": 5}',
+        b"MPU6050 Found!",
+        b"hello",
+        b"Adafruit ICM20948 test!",
+        b"",
+        b"  ",
+        b"calibrating...",
+    ],
 )
 def test_of_other_text_nothing_is_made_up(frame: bytes) -> None:
     assert diagnose_frame(frame) is None

@@ -10,12 +10,23 @@ from hypothesis import strategies as st
 from rosbase.imu.diagnosis.payload import diagnose_payload, mapped_by
 from rosbase.imu.diagnosis.places import diagnose_path
 from rosbase.imu.mapping import ImuMapping
+from rosbase.mapping.assembly import Batch
+from rosbase.mapping.paths import EACH, Steps
 from rosbase.mapping.rejects import Reject
 from support.strategies import json_values
 
+EACH_V = ("p", EACH, "v")
 INNER = '{"acc":{"x":0.1,"y":0.2,"z":9.8}}'
 
-LOST: dict[str, tuple[Any, tuple[str | int, ...], str]] = {
+LOST: dict[str, tuple[Any, Steps, str]] = {
+    "no samples": ({"acc": []}, ("acc", EACH), "acc is an empty list"),
+    "no elements": ({"p": []}, EACH_V, "p is an empty list"),
+    "an object for a list": ({"p": {"v": [1]}}, EACH_V, "p is an object of 'v'; [*] takes a list"),
+    "digits for a list": ({"p": {"0": {"v": 1}}}, EACH_V, "p is an object of '0'; [*] takes"),
+    "a number for a list": ({"p": 5}, EACH_V, "p is a number; [*] takes a list"),
+    "null for a list": ({"p": None}, EACH_V, "p is null; [*] takes a list"),
+    "the top for a list": ({"v": 5}, (EACH, "v"), "the payload is an object of 'v'; [*] takes"),
+    "in elements": ({"p": [{"V": 1}]}, EACH_V, "p[*] has no 'v'; did you mean 'V'?"),
     "another key": ({"a": 1, "b": 2}, ("acc",), "the payload has no 'acc', but 'a', 'b'"),
     "nothing": ({}, ("acc",), "the payload has no 'acc', but nothing at all"),
     "inside": ({"acc": {"u": 1}}, ("acc", "x"), "acc has no 'x', but 'u'"),
@@ -129,6 +140,39 @@ def test_a_payload_that_is_refused_says_what_to_look_at(name: str) -> None:
     assert cause is not None
     assert said in cause.text
     assert cause.text.isprintable()
+
+
+@pytest.mark.parametrize(
+    ("paths", "payload", "said"),
+    [
+        (
+            ("x[*]", "y[*]", "z[*]"),
+            {"x": [1, 2], "y": [1, 2], "Z": [1, 2]},
+            "linear_acceleration lacks z[*]: the payload has no 'z'; did you mean 'Z'?",
+        ),
+        (
+            ("a.x[*]", "a.y[*]", "a.z[*]"),
+            {"a": {"x": [1], "Y": [1], "z": [1]}},
+            "linear_acceleration lacks a.y[*]: a has no 'y'; did you mean 'Y'?",
+        ),
+        (
+            ("d[*].x", "d[*].y", "d[*].z"),
+            {"d": [{"x": 1, "y": 2, "Z": 9.8}]},
+            "linear_acceleration lacks d[*].z",
+        ),
+    ],
+)
+def test_what_a_message_of_several_samples_lacks_is_named(
+    paths: tuple[str, ...], payload: Any, said: str
+) -> None:
+    mapping = ImuMapping(linear_acceleration_paths=paths, linear_acceleration_unit="m/s^2")
+    batch = mapping.compile()(json.dumps(payload).encode())
+    assert isinstance(batch, Batch)
+    reject = batch.samples[0]
+    assert isinstance(reject, Reject)
+    cause = diagnose_payload(payload, reject, mapped_by(mapping))
+    assert cause is not None
+    assert cause.text.startswith(said)
 
 
 @given(json_values, st.sampled_from(["no_imu_data", "missing_group", "incomplete", "wrong_type"]))

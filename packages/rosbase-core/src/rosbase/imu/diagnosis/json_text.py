@@ -12,7 +12,7 @@ _NUMBER = r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
 # A frame may be long and hostile. Where a run of blanks could be divided in many ways, the
 # quantifiers are possessive.
 _MOST_TEXT = 4_000
-_MOST_STARTS = 5
+_MOST_STARTS = 12
 _LONGEST_NAME = 60
 _BUFFERS = (32, 64, 100, 128, 200, 256, 300, 500, 512, 1000, 1024, 2048, 4096)
 
@@ -32,6 +32,8 @@ _OTHER_NUMBER = re.compile(
 _NO_NUMBER = re.compile(r"([:,\[]\s*+)\??(?=[,}\]])")
 _FORMAT = re.compile(r"[:,\[]\s*+%[-+ #0]*+\d*+(?:\.\d++)?l?[fgdeiu]")
 _BARE_KEY = re.compile(r"([{,]\s*+)([A-Za-z_]\w*+)(\s*+:)")
+_CURLY = re.compile("[\u2018-\u201f]")
+_EQUALS = re.compile(r'("\s*+)=(?=\s*+["\d\-\[{tfn])')
 _LAST_COMMA = re.compile(r",(\s*+[}\]])")
 _NO_COMMA = re.compile(r"([\d\"\]}])(\s++\")")
 _PYTHON = re.compile(r"'((?:[^'\"\\]|\\[^\"])*+)'|\b(True|False|None)\b")
@@ -84,7 +86,10 @@ def _around(text: str) -> str:
             continue
         before, after = text[:start], text[end:]
         if before.strip().startswith("{"):
-            return "one line runs into the next; bytes between them were lost"
+            if text[start] == "{" and not after.strip():
+                return "one line runs into the next; bytes between them were lost"
+            # It is inside of something that is no JSON.
+            continue
         if before.strip():
             return _behind(before)
         return _before(after)
@@ -148,6 +153,8 @@ _HABITS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str], str]
         _or_null,
         "a number is missing where the device should print one; does its printf know %f?",
     ),
+    (_CURLY, '"', "curly quotes, as a word processor makes them; JSON has straight ones"),
+    (_EQUALS, r"\1:", "an equals sign where JSON has a colon"),
     (_PYTHON, _in_json, "a dict as Python prints it, with single quotes; send json.dumps() of it"),
     (_LAST_COMMA, r"\1", "a comma before a closing bracket"),
     (_BARE_KEY, r'\1"\2"\3', "keys without quotes; JSON has them in double quotes"),

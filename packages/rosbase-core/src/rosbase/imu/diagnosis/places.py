@@ -44,8 +44,11 @@ def diagnose_path(payload: object, steps: Steps) -> Lost | None:
 def follow(value: object, steps: Steps) -> tuple[object, int]:
     """Return how far the steps lead, and how many of them that are."""
     for number, step in enumerate(steps):
-        # One element stands for each.
-        found = mapping.follow(value, (0 if isinstance(step, Each) else step,))
+        if isinstance(step, Each):
+            # One element stands for each.
+            found = value[0] if isinstance(value, list) and value else mapping.MISSING
+        else:
+            found = mapping.follow(value, (step,))
         if found is mapping.MISSING or isinstance(found, Reject):
             return value, number
         value = found
@@ -56,6 +59,10 @@ def _instead(payload: object, parent: object, steps: Steps, number: int) -> Lost
     where, step = show_steps(steps[:number]) or "the payload", steps[number]
     if isinstance(step, Where):
         return _unmet(where, parent, step)
+    if isinstance(step, Each):
+        is_empty = isinstance(parent, list)
+        what = "an empty list" if is_empty else f"{_kind(parent)}; [*] takes a list"
+        return Lost(f"{where} is {what}", has_hint=True)
     said = shown(show_steps((step,)))
     if isinstance(parent, dict):
         hint = _dotted(parent, steps[number:]) or _near(parent, step)
@@ -142,6 +149,8 @@ def _keys(parent: dict[str, object]) -> str:
 def _kind(value: object) -> str:
     if value is None:
         return "null"
+    if isinstance(value, dict):
+        return f"an object of {_keys(value)}"
     if isinstance(value, bool):
         return "true or false"
     return f"the text {shown(value)}" if isinstance(value, str) else "a number"
