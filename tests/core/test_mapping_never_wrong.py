@@ -2,16 +2,23 @@
 
 import json
 import re
+from collections.abc import Iterator
+from itertools import count
 from typing import Any
 
 import pytest
 from attrs import evolve
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
 
 from rosbase.errors import MappingError
 from rosbase.imu.mapping import ImuMapping, Sample
 from rosbase.mapping.assembly import Batch
+from rosbase.mapping.clashes import check_clashes
 from rosbase.mapping.dates import date_ns
+from rosbase.mapping.path_text import parse_path
 from rosbase.mapping.rejects import Reject
+from support.mapping_oracle import NOTHING, SURPLUS, way_of, with_index
 
 XYZ = ("acc.x", "acc.y", "acc.z")
 NEW_OR_OLD = ("new.x|old.x", "new.y|old.y", "new.z|old.z")
@@ -75,6 +82,46 @@ def test_an_index_and_a_condition_that_may_be_one_element_are_refused(acc: str, 
 )
 def test_conditions_of_the_same_element_tell_them_apart(acc: str, gyr: str) -> None:
     mapping((acc,), (gyr,)).compile()
+
+
+STEP = st.sampled_from([".a", "[0]", "[1]", "[k=1]", "[k=2]", "[k!=1]", "[0=1]", "[*]", '."0"'])
+PATHS = st.lists(STEP, min_size=1, max_size=3).map(lambda steps: "".join(steps).lstrip("."))
+PLACES = st.recursive(
+    st.just(0),
+    lambda inner: (
+        st.lists(inner, min_size=1, max_size=3)
+        | st.fixed_dictionaries({"k": st.sampled_from([1, 2])}, optional={"a": inner, "0": inner})
+    ),
+    max_leaves=8,
+)
+
+
+def number_each(value: Any, numbers: Iterator[int]) -> Any:
+    """The value with another number in place of each zero."""
+    if isinstance(value, list):
+        return [number_each(one, numbers) for one in value]
+    if isinstance(value, dict):
+        return {key: number_each(one, numbers) for key, one in value.items()}
+    return value or next(numbers)
+
+
+@settings(max_examples=1000)
+@given(PATHS, PATHS, PLACES)
+def test_two_paths_that_are_taken_never_lead_to_one_value(one: str, other: str, place: Any) -> None:
+    try:
+        ((first,), (second,)) = parse_path(one), parse_path(other)
+        check_clashes({"acc": [[first.steps]], "gyr": [[second.steps]]})
+    except MappingError:
+        event("refused")
+        return
+    payload = number_each(place, count(1000))
+    ways = [way_of(path, {})[1] for path in (one, other)]
+    found = [
+        {id(f) for k in range(3) if (f := with_index(payload, way, k)) not in (NOTHING, SURPLUS)}
+        for way in ways
+    ]
+    event("both lead to something" if all(found) else "one leads to nothing")
+    assert not found[0] & found[1]
 
 
 def test_long_paths_are_compared_in_no_time() -> None:
