@@ -113,6 +113,8 @@ def reader_with(context: Any, *arguments: str) -> Iterator[ParameterTool]:
         with tool(context, "lifecycle_manager") as param:
             # The services are there before the parameters are, and before the main loop runs.
             wait_until(lambda: param.set("orientation_stddev", "[]").successful, "the main loop")
+            # From the first parameter on, none is set that the reader has not judged.
+            assert not param.set("preset", "no such preset").successful
             yield param
         assert run.end(2) == 0
     assert not any("Traceback" in line for line in run.err.lines)

@@ -162,8 +162,9 @@ class Slow(Transport):
     def open(self):
         if not self.is_open:
             self.logger.info("opening")
-            time.sleep(0.25)
+            # As soon as there is something to close; the signal may interrupt the rest.
             self.is_open = True
+            time.sleep(0.25)
 
     def start(self, on_frame): pass
     def stop(self): pass

@@ -71,6 +71,9 @@ class ImuReader(LifecycleNode):
         super().__init__(manager, *args, **kwargs)
         self._registry = registry or installed_plugins()
         specs = reader_parameters(self._registry)
+        self._names = frozenset(spec.name for spec in specs)
+        # First: on ROS, tools may set a parameter as soon as it is declared.
+        self.add_on_set_parameters_callback(self._judge_change)
         for spec in specs:
             default = parameter_defaults.get(spec.name, spec.default)
             self.declare_parameter(spec.name, default, attrs.evolve(spec, default=default))
@@ -78,8 +81,6 @@ class ImuReader(LifecycleNode):
         self._settings = self._read_settings()
         # What cannot be is refused now, not when somebody configures. It touches no device.
         self._make_transport(self._settings)
-        self._names = frozenset(spec.name for spec in specs)
-        self.add_on_set_parameters_callback(self._judge_change)
         self._counts = Counts()
         self._transport: Transport | None = None
         self._publishers: list[LifecyclePublisher] = []
