@@ -31,6 +31,8 @@ ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
 EXTRAS = {"imu-mqtt": "[broker]"}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
+# Shows what a command has written to a terminal.
+TERMINAL = "pyte>=0.8"
 LINTERS = ["ruff==0.17.6"]
 SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
 OLDEST = "3.11"
@@ -85,7 +87,7 @@ def ros2(session: nox.Session) -> None:
 @nox.session(python=PYTHONS)
 def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
-    session.install(*TEST_TOOLS)
+    session.install(TERMINAL, *TEST_TOOLS)
     _install(session, *DISTRIBUTIONS)
     _test(session, "tests/integration")
 
@@ -125,7 +127,7 @@ def lint(session: nox.Session) -> None:
 @nox.session
 def typing(session: nox.Session) -> None:
     """The types of everything, tests too, under mypy's strictest rules."""
-    session.install("mypy==2.4.1", "nox", "types-pyserial", *TEST_TOOLS)
+    session.install("mypy==2.4.1", "nox", "types-pyserial", TERMINAL, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in ("core", "imu_serial", "imu_mqtt", "ros2", "integration", "docs", "benchmarks"):

@@ -252,10 +252,11 @@ def test_the_command_can_be_asked_of_a_python_by_name(capsys: pytest.CaptureFixt
 def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["imu", "--list-parameters"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert "autostart:=activate  # how far the node is brought up by itself" in lines
-    assert any(line.startswith("mapping.numeric_strings:=false  #") for line in lines)
+    assert lines[:2] == ["most used", f"  {'comm_t:=serial':44}  the transport, by name"]
+    assert f"  {'autostart:=activate':44}  how far the node is brought up by itself" in lines
+    assert "payload mapping" in lines
     # What it shows can be given back.
-    shown = [line.partition("  #")[0] for line in lines if "=[]" not in line]
+    shown = [line[2:].partition("  ")[0] for line in lines if ":=" in line and "=[]" not in line]
     check_given(reader_parameters(installed_plugins()), read_given(shown, None))
     assert logging.getLogger("rosbase").handlers
 

@@ -183,13 +183,43 @@ def test_unplugging_and_replugging_needs_no_action(port: PluggablePort) -> None:
     assert summary_of(reader.err.lines)["reconnects"] == 3
 
 
-def test_an_absent_device_is_said_in_one_line_and_the_node_stays_unconfigured() -> None:
-    done = run_rosbase("imu", "-p", "device_path:=/dev/does-not-exist", "--duration", "1.5")
-    assert done.returncode == 0
-    (line,) = done.stderr.splitlines()
-    assert "/dev/does-not-exist is not there" in line
-    assert "unconfigured" in done.stdout.splitlines()[0]
+ABSENT = {
+    "a device": (["device_path:=/dev/nix"], "/dev/nix is not there", "wait_for_device"),
+    "a broker": (
+        ["transport:=mqtt", "server_address:=tcp://localhost:1"],
+        "there is no broker at tcp://localhost:1",
+        "wait_for_broker",
+    ),
+}
+
+
+@pytest.mark.parametrize(("parameters", "why", "option"), ABSENT.values(), ids=ABSENT)
+def test_what_is_absent_ends_it_at_once_with_status_1_and_what_to_do(
+    parameters: list[str], why: str, option: str
+) -> None:
+    given = [word for text in parameters for word in ("-p", text)]
+    done = run_rosbase("imu", *given)
+    assert (done.returncode, done.stdout) == (1, "")
+    reason, advice = done.stderr.splitlines()
+    assert why in reason
+    assert advice.startswith("rosbase: the reader did not become active. `rosbase doctor`")
+    assert f"-p {option}:=true" in advice
+
+
+def test_a_run_that_published_nothing_in_its_time_has_failed(port: PluggablePort) -> None:
+    port.plug()
+    done = run_rosbase("imu", "-p", f"device_path:={port.path}", "--duration", "0.5")
+    assert done.returncode == 1
     assert summary_of(done.stdout.splitlines())["published"] == 0
+    assert done.stderr.splitlines()[-1].startswith("rosbase: nothing was published. `rosbase doc")
+
+
+def test_a_parameter_in_two_spellings_is_refused() -> None:
+    done = run_rosbase("imu", "-p", "transport:=mqtt", "-p", "comm_t:=serial")
+    assert (done.returncode, done.stderr) == (
+        2,
+        "rosbase: transport and comm_t are one parameter: give one of them\n",
+    )
 
 
 def test_an_absent_device_is_waited_for_by_option(port: PluggablePort) -> None:

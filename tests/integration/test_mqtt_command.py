@@ -259,12 +259,21 @@ def test_under_a_wildcard_all_samples_of_the_first_device_are_published_until_it
 
 
 def test_the_demo_over_mqtt_publishes_every_sample() -> None:
-    done = run_rosbase("demo", "--transport", "mqtt", "--duration", "5")
+    done = run_rosbase("demo", "--transport", "mqtt", "--duration", "5", "--no-unplug")
     assert done.returncode == 0, done.stderr
     counts = summary_of(done.stdout.splitlines())
     assert counts["published"] >= 490
     assert counts["sent"] == counts["received"] == counts["published"]
     assert counts["lost"] == 0
+
+
+def test_the_plug_of_the_demo_over_mqtt_is_its_broker() -> None:
+    done = run_rosbase("demo", "--transport", "mqtt", "--duration", "4")
+    assert done.returncode == 0, done.stderr
+    counts = summary_of(done.stdout.splitlines())
+    assert counts["sent"] == counts["published"] > 150
+    assert (counts["lost"], counts["reconnects"]) == (0, 1)
+    assert "although it was unplugged for" in done.stdout
 
 
 @pytest.mark.parametrize(

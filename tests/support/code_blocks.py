@@ -6,6 +6,7 @@ A comment directly above a block is one of these:
 - `on ROS 2`: it needs rclpy, so the tests in `tests/ros2` run it.
 - `device` or `device: {"ax": 0}`: a simulated device stands in for `/dev/ttyUSB0`, and sends
   samples of the preset `ros`, or that line again and again.
+- `ends with status 1`: the command does, because it shows a failure.
 - `logs errors`: the program logs errors, and ends well.
 - `prints`: a block of text that is exactly what the Python program above it prints.
 - `payload` and `gives`: a payload, and the samples that the parameters between the two make of it.
@@ -54,6 +55,11 @@ class Block(NamedTuple):
     @property
     def is_for_ros(self) -> bool:
         return "on ROS 2" in self.says
+
+    @property
+    def status(self) -> int:
+        """The exit status of the command."""
+        return 1 if "ends with status 1" in self.says else 0
 
     @property
     def device(self) -> str | None:

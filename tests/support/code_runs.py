@@ -60,11 +60,11 @@ def run_commands(block: Block, folder: Path) -> None:
         if command.startswith(SKIPPED) or not command:
             continue
         if block.device is None:
-            _run(command, ROOT)
+            _run(command, ROOT, block.status)
         else:
             with sending(block.device) as path:
                 write_files(block.page, folder, path)
-                _run_reader(command.replace(DEVICE, path), folder)
+                _run_reader(command.replace(DEVICE, path), folder, block.status)
 
 
 @contextmanager
@@ -89,7 +89,7 @@ def sending(line: str) -> Iterator[str]:
         thread.join()
 
 
-def _run(command: str, folder: Path) -> None:
+def _run(command: str, folder: Path, status: int) -> None:
     done = subprocess.run(
         command,
         shell=True,
@@ -100,13 +100,13 @@ def _run(command: str, folder: Path) -> None:
         timeout=50,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == status, done.stderr
 
 
-def _run_reader(command: str, folder: Path) -> None:
+def _run_reader(command: str, folder: Path, status: int) -> None:
     """Runs a reader until a sample is there, unless the command ends by itself."""
     if "|" in command or "--duration" in command:
-        _run(command, folder)
+        _run(command, folder, status)
         return
     program, *arguments = shlex.split(command)
     assert program == "rosbase", command

@@ -1,38 +1,17 @@
 """A serial port that can be plugged in and unplugged, under one name."""
 
-from collections.abc import Mapping
 from pathlib import Path
 
-from imu_serial.simulator import PtyDevice
-from rosbase.errors import TransportError
-from rosbase.parameters import ParameterValue
+from imu_serial.simulator import PluggablePort as NamedPort
 
 
-class PluggablePort:
-    """A link to a pseudo-terminal that comes and goes, as udev's `by-id` links do."""
+class PluggablePort(NamedPort):
+    """A port that is not plugged in yet, in a folder of the test."""
 
     def __init__(self, folder: Path) -> None:
-        self.path = folder / "usb-IMU_0001-if00-port0"
-        self._device: PtyDevice | None = None
+        super().__init__(folder / "usb-IMU_0001-if00-port0")
 
-    @property
-    def parameters(self) -> Mapping[str, ParameterValue]:
-        return {"device_path": str(self.path)}
-
-    def plug(self) -> None:
-        self._device = PtyDevice()
-        self.path.symlink_to(str(self._device.parameters["device_path"]))
-
-    def unplug(self) -> None:
-        if self._device is not None:
-            self.path.unlink()
-            self._device.close()
-            self._device = None
-
-    def write(self, data: bytes) -> None:
-        if self._device is None:
-            raise TransportError("the port is not plugged in")
-        self._device.write(data)
+    plug = NamedPort.replug
 
     @property
     def real_path(self) -> str:
@@ -46,7 +25,6 @@ class SerialPeer(PluggablePort):
         super().__init__(folder)
         self.plug()
 
-    replug = PluggablePort.plug
     close = PluggablePort.unplug
     send_raw = PluggablePort.write
 

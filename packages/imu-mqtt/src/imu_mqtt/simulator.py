@@ -108,7 +108,10 @@ class EmbeddedBroker:
 
 
 class BrokeredDevice:
-    """A device that sends to an embedded broker."""
+    """A device that sends to an embedded broker: a `rosbase.PluggableDevice`.
+
+    Its plug is the broker's: when it is pulled, both the reader and the device lose the broker.
+    """
 
     def __init__(self) -> None:
         """Starts the broker, and connects to it.
@@ -116,17 +119,50 @@ class BrokeredDevice:
         Raises:
             TransportError: One of the two does not work.
         """
-        self._broker = EmbeddedBroker()
-        self._is_closed = False
+        self._port: int | None = None
+        self._is_closed = True
         self._under_way: deque[mqtt.MQTTMessageInfo] = deque()
-        self._client = mqtt.Client(CallbackAPIVersion.VERSION2)
-        self._client.connect("127.0.0.1", self._broker.port)
-        self._client.loop_start()
+        self.replug()
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
         """What the transport `mqtt` must be given to reach this device."""
         return {"server_address": self._broker.address, "mqtt_topic": _TOPIC, "qos": 1}
+
+    @property
+    def has_room(self) -> bool:
+        """Whether the broker has taken most of what was sent."""
+        while self._under_way and self._under_way[0].is_published():
+            self._under_way.popleft()
+        return not self._is_closed and len(self._under_way) < _MOST_UNDER_WAY
+
+    def replug(self) -> None:
+        """Start the broker, at its port, and connect to it. Idempotent.
+
+        Raises:
+            TransportError: One of the two does not work.
+        """
+        if not self._is_closed:
+            return
+        self._broker = EmbeddedBroker(self._port)
+        self._port = self._broker.port
+        self._under_way.clear()
+        self._client = mqtt.Client(CallbackAPIVersion.VERSION2)
+        try:
+            self._client.connect("127.0.0.1", self._port)
+        except OSError as error:
+            self._broker.close()
+            raise TransportError(f"the broker cannot be reached: {error}") from error
+        self._client.loop_start()
+        self._is_closed = False
+
+    def unplug(self) -> None:
+        """Disconnect, and end the broker. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._client.disconnect()
+            self._client.loop_stop()
+            self._broker.close()
 
     def send(self, payload: bytes) -> None:
         """Sends one payload. Waits while too many are under way.
@@ -141,11 +177,8 @@ class BrokeredDevice:
             self._await(self._under_way.popleft())
 
     def close(self) -> None:
-        """Disconnects, and ends the broker. Idempotent."""
-        self._is_closed = True
-        self._client.disconnect()
-        self._client.loop_stop()
-        self._broker.close()
+        """Pull the plug for good. Idempotent."""
+        self.unplug()
 
     def _await(self, message: mqtt.MQTTMessageInfo) -> None:
         for _ in range(_LOOKS):

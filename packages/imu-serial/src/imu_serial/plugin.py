@@ -50,9 +50,9 @@ def _opener(config: SerialConfig, context: TransportContext) -> OpenDevice:
 
 
 def _simulate() -> SimulatedDevice:
-    from imu_serial.simulator import PtyDevice
+    from imu_serial.simulator import SimulatedPort
 
-    return PtyDevice()
+    return SimulatedPort()
 
 
 def _check(context: CheckContext) -> Iterable[Finding]:

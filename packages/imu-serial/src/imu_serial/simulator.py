@@ -1,16 +1,23 @@
 """A stand-in for a serial device: the far end of a pseudo-terminal pair."""
 
+import fcntl
 import os
 import select
+import struct
+import tempfile
+import termios
 import threading
 import tty
 from collections.abc import Mapping
+from pathlib import Path
 
 from rosbase import ParameterValue, TransportError
 
-__all__ = ["PtyDevice"]
+__all__ = ["PluggablePort", "PtyDevice", "SimulatedPort"]
 
 _POLL_MS = 100
+# Half of what a terminal keeps for whoever reads it (N_TTY_BUF_SIZE of Linux).
+_ROOM_BYTES = 2_048
 
 
 class PtyDevice:
@@ -49,6 +56,15 @@ class PtyDevice:
         while data:
             data = data[self._write_some(data) :]
 
+    @property
+    def has_room(self) -> bool:
+        """Whether a line would be taken now: whoever reads has read most of the others."""
+        with self._lock:
+            if self._is_closed:
+                return False
+            unread = fcntl.ioctl(self._far_end, termios.FIONREAD, bytes(4))
+        return int(struct.unpack("i", unread)[0]) < _ROOM_BYTES
+
     def close(self) -> None:
         """Pulls the plug."""
         with self._lock:
@@ -70,3 +86,78 @@ class PtyDevice:
         ready.register(fd, select.POLLOUT)
         ready.poll(_POLL_MS)
         return 0
+
+
+class PluggablePort:
+    """A port that comes and goes under one name, as the `by-id` links of udev do."""
+
+    def __init__(self, path: Path) -> None:
+        """Choose the name. Nothing is plugged in yet."""
+        self.path = path
+        """The name."""
+        self._device: PtyDevice | None = None
+
+    @property
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """What the transport `serial` must be given to reach this device."""
+        return {"device_path": str(self.path)}
+
+    @property
+    def has_room(self) -> bool:
+        """Whether a line would be taken now, without waiting for whoever reads."""
+        device = self._device
+        return device is not None and device.has_room
+
+    def replug(self) -> None:
+        """Plug it in: the port is there. Idempotent."""
+        if self._device is None:
+            self._device = device = PtyDevice()
+            self.path.symlink_to(str(device.parameters["device_path"]))
+
+    def unplug(self) -> None:
+        """Pull the plug: the port is gone. Idempotent."""
+        device, self._device = self._device, None
+        if device is not None:
+            self.path.unlink(missing_ok=True)
+            device.close()
+
+    def send(self, payload: bytes) -> None:
+        """Send one line, CR LF at its end. Waits while the line is full.
+
+        Raises:
+            TransportError: The port is not plugged in.
+        """
+        self._plugged.send(payload)
+
+    def write(self, data: bytes) -> None:
+        """Send bytes as they are. Waits while the line is full.
+
+        Raises:
+            TransportError: The port is not plugged in.
+        """
+        self._plugged.write(data)
+
+    def close(self) -> None:
+        """Pull the plug for good. Idempotent."""
+        self.unplug()
+
+    @property
+    def _plugged(self) -> PtyDevice:
+        if self._device is None:
+            raise TransportError(f"{self.path} is not plugged in")
+        return self._device
+
+
+class SimulatedPort(PluggablePort):
+    """A port of its own, plugged in: a `rosbase.PluggableDevice`."""
+
+    def __init__(self) -> None:
+        """Plug it in, in a new folder for temporary files."""
+        self._folder = tempfile.TemporaryDirectory(prefix="imu-")
+        super().__init__(Path(self._folder.name) / "ttyIMU")
+        self.replug()
+
+    def close(self) -> None:
+        """Pull the plug for good. Idempotent."""
+        super().close()
+        self._folder.cleanup()

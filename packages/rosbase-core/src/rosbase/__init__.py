@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
     from rosbase.contracts.transport import (
         OnFrame,
+        PluggableDevice,
         SimulatedDevice,
         Tally,
         Transport,
@@ -249,6 +250,7 @@ __all__ = [
     "ParameterStore",
     "ParameterValue",
     "PayloadMapping",
+    "PluggableDevice",
     "PluginError",
     "PluginRegistry",
     "PresetPlugin",
@@ -384,6 +386,7 @@ _HOMES = {
     "RosbaseError": "rosbase.errors",
     "RosbaseLogger": "rosbase.logger",
     "SetParametersResult": "rosbase.parameters",
+    "PluggableDevice": "rosbase.contracts.transport",
     "SimulatedDevice": "rosbase.contracts.transport",
     "Stamper": "rosbase.contracts.stamper",
     "State": "rosbase.lifecycle",

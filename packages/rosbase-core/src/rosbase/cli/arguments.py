@@ -28,6 +28,7 @@ __all__ = [
     "number_between",
     "positive_number",
     "read_given",
+    "with_spellings",
 ]
 
 
@@ -99,6 +100,18 @@ def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, Given
             raise ParameterError(f"-p takes name:=value, not {assignment!r}")
         given[name.strip()] = Given(text, is_text=True)
     return given
+
+
+def with_spellings(given: Mapping[str, Given], spellings: Mapping[str, str]) -> dict[str, Given]:
+    """What was given, under the names that parameters have; `spellings` has others that are taken.
+
+    Raises:
+        ParameterError: A parameter was given in two spellings.
+    """
+    for spelling, name in spellings.items():
+        if spelling in given and name in given:
+            raise ParameterError(f"{spelling} and {name} are one parameter: give one of them")
+    return {spellings.get(name, name): value for name, value in given.items()}
 
 
 def check_given(

@@ -1,67 +1,36 @@
-"""The terminal: a line that lives where there is one, plain lines where there is none."""
+"""The log of a command, on stderr: in the shape of ROS 2, and above what a terminal shows."""
 
 import argparse
 import logging
-import shutil
 import sys
 from collections.abc import Iterable
 
 from rosbase.cli.output import Output
+from rosbase.cli.panel.fields import wrapped
+from rosbase.cli.screen import Screen
 from rosbase.logger import Console, level_number, use_console
 from rosbase.logger.console import wants_colour
-from rosbase.text.printable import log_line
 
-__all__ = ["LiveLine", "LogOutput", "add_log_level", "log_to_stderr"]
-
-_CLEAR = "\r\x1b[K"
-_TERMINAL_PERIOD_S = 0.2
-_PLAIN_PERIOD_S = 1.0
-
-
-class LiveLine:
-    """One line that is written over again on a terminal, and line after line elsewhere."""
-
-    def __init__(self, output: Output) -> None:
-        self._output = output
-        self._is_shown = False
-
-    @property
-    def period_s(self) -> float:
-        """How often it is worth showing."""
-        return _TERMINAL_PERIOD_S if self._output.is_terminal else _PLAIN_PERIOD_S
-
-    def show(self, text: str) -> None:
-        """Shows the text in place of the one before."""
-        if self._output.is_terminal:
-            width = shutil.get_terminal_size().columns - 1
-            self._output.write(f"{_CLEAR}{log_line(text)[:width]}")
-            self._is_shown = True
-        else:
-            self._output.write(f"{log_line(text)}\n")
-
-    def give_way(self) -> str:
-        """Return what makes room for another line in its place, if it is shown."""
-        if not self._is_shown:
-            return ""
-        self._is_shown = False
-        return _CLEAR
-
-    def end(self) -> None:
-        """Leaves the last text standing, and goes on below it."""
-        if self._is_shown:
-            self._output.write("\n")
-            self._is_shown = False
+__all__ = ["LogOutput", "add_log_level", "log_to_stderr"]
 
 
 class LogOutput(Output):
-    """Where the log goes: it never waits, and on a terminal the live line gives way to it."""
+    """Where the log goes: it never waits, and on a terminal it stands above what is shown there."""
 
-    live_line: LiveLine | None = None
+    screen: Screen | None = None
+    """Whose lines give way to the log."""
+    wraps = False
+    """Whether lines break between words where they are longer than the terminal is wide."""
 
     def write_record(self, text: str) -> None:
         """Write the lines of a record."""
-        begin = self.live_line.give_way() if self.live_line and self.is_terminal else ""
-        self.write(begin + text)
+        if self.wraps and self.is_terminal:
+            width = self.size[0] - 1
+            text = "".join(f"{wrapped(line, width)}\n" for line in text.splitlines())
+        if self.screen is None:
+            self.write(text)
+        else:
+            self.screen.above(self, text)
 
 
 def add_log_level(parser: argparse.ArgumentParser) -> None:

@@ -2,22 +2,32 @@
 
 import argparse
 
-from rosbase.cli.arguments import add_parameters, as_text, check_given, positive_number, read_given
+from rosbase.cli.arguments import (
+    add_parameters,
+    check_given,
+    positive_number,
+    read_given,
+    with_spellings,
+)
 from rosbase.cli.console import add_log_level, log_to_stderr
+from rosbase.cli.counts_help import COUNTS_HELP
+from rosbase.cli.parameter_list import parameter_table
 from rosbase.cli.session import ReaderManager, run_to_end
 from rosbase.imu.settings import DEFAULT_TRANSPORT, reader_parameters
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import installed_plugins
-from rosbase.text.printable import log_line
 
 __all__ = ["configure", "run"]
 
 # Here nobody else would bring the node up.
 _OWN_DEFAULTS: dict[str, ParameterValue] = {"autostart": "activate"}
+_SPELLINGS = {"transport": "comm_t"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = COUNTS_HELP
     add_parameters(parser)
     parser.add_argument(
         "--duration", type=positive_number, metavar="S", help="end after so many seconds"
@@ -45,11 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
     registry = installed_plugins()
     specs = reader_parameters(registry)
     if arguments.list_parameters:
-        for spec in specs:
-            value = as_text(_OWN_DEFAULTS.get(spec.name, spec.default))
-            print(log_line(f"{spec.name}:={value}  # {spec.description}"))
+        print("\n".join(parameter_table(specs, registry.transports, _OWN_DEFAULTS)))
         return 0
-    given = read_given(arguments.assignments, arguments.params_file)
+    given = with_spellings(read_given(arguments.assignments, arguments.params_file), _SPELLINGS)
     # First, because a transport that is not installed leaves its parameters unknown.
     registry.transport(str(given["comm_t"].value) if "comm_t" in given else DEFAULT_TRANSPORT)
     manager = ReaderManager(

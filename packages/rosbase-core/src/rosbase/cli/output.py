@@ -47,6 +47,20 @@ class Output:
         self.error = ""
         """Why nothing more can be written, if the reason is not just that nobody reads."""
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Columns and lines of the terminal; 80 and 24 where it does not say."""
+        try:
+            columns, lines = os.get_terminal_size(-1 if self._fd is None else self._fd)
+        except OSError:
+            return 80, 24
+        return columns or 80, lines or 24
+
+    @property
+    def encoding(self) -> str:
+        """That of the stream, in lower case."""
+        return (self._stream.encoding or "").lower()
+
     def write(self, text: str) -> None:
         """Writes the text, now or later."""
         if self._fd is None:

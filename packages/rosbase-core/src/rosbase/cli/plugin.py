@@ -13,6 +13,7 @@ __all__ = ["rosbase_checks", "rosbase_commands"]
 _COMMANDS = (
     ("imu", "read an IMU and publish what it measures", "rosbase.cli.imu"),
     ("demo", "read a simulated IMU over a real link", "rosbase.cli.demo"),
+    ("simulate", "leave a simulated IMU standing, to read it", "rosbase.cli.simulate"),
     ("doctor", "find what is wrong here, and say what to do", "rosbase.cli.doctor"),
     ("plugins", "list the installed plugins", "rosbase.cli.list_plugins"),
 )

@@ -1,14 +1,18 @@
 """What users are told of a run: the line while it goes on, and the summary at its end."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from rosbase.cli.panel.drawing import View
+from rosbase.cli.panel.fields import Field
 from rosbase.imu.health import HealthLevel
 from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import State
 from rosbase.messages import Imu, MagneticField
 from rosbase.runtime.histogram import Histogram
 
-__all__ = ["status_line", "summary_lines"]
+__all__ = ["count_fields", "note_on", "status_line", "summary_lines", "view_of"]
+
+_COLOURS = {HealthLevel.OK: "green", HealthLevel.WARN: "yellow", HealthLevel.ERROR: "red"}
 
 
 def status_line(
@@ -31,6 +35,57 @@ def status_line(
     if health.level is not HealthLevel.OK:
         parts.insert(0, f"{health.level.name} {health.message}")
     return "  ".join(parts)
+
+
+def view_of(
+    reader: ImuReader,
+    last: Imu | MagneticField | None,
+    title: Sequence[Field],
+    counts: Sequence[Field],
+    note: tuple[str, str] = ("", ""),
+) -> View:
+    """What the panel shows of a run; of the reader's state and health, if there is no note."""
+    text, colour = note if note[0] else note_on(reader)
+    return View(title, counts, last, text, (colour,) if colour else ())
+
+
+def note_on(reader: ImuReader) -> tuple[str, str]:
+    """A sentence on how the reader is, and its colour."""
+    state = reader.get_state()
+    if state is not State.ACTIVE:
+        return state.label, "yellow"
+    health = reader.check_health()
+    return f"{health.level.name}: {health.message}", _COLOURS.get(health.level, "red")
+
+
+def count_fields(
+    reader: ImuReader,
+    rate_hz: float,
+    latency: Histogram | None,
+    lost: tuple[str, int],
+    sent: int | None = None,
+) -> list[Field]:
+    """What has become of the samples, the most important first.
+
+    Args:
+        reader: Its counts.
+        rate_hz: Samples per second, of late.
+        latency: From the stamp to the subscriber, in nanoseconds, if that can be measured.
+        lost: What losses are called, and how many there are.
+        sent: How many samples the device has sent, where that is known.
+    """
+    counts = reader.counts
+    fields = [Field("rate", f"{rate_hz:.1f} Hz")]
+    if latency is not None and latency.count:
+        fields.append(Field("latency", f"{_ms(latency, 50):.2f} ms"))
+    fields += [
+        Field(lost[0], str(lost[1]), ("red",) if lost[1] else ()),
+        Field("published", str(counts.published)),
+        Field("rejected", str(counts.rejected), ("yellow",) if counts.rejected else ()),
+    ]
+    if sent is not None:
+        fields.append(Field("sent", str(sent)))
+    return [*fields, Field("received", str(counts.received))]
 
 
 def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) -> Iterator[str]:

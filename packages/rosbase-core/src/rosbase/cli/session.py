@@ -1,25 +1,27 @@
-"""A run of the reader in a terminal: the manager, what it shows, and when it ends."""
+"""A run of the reader by a command: the manager, and what it says at its end."""
 
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from rosbase.cli.console import LiveLine, LogOutput
+from rosbase.cli.console import LogOutput
 from rosbase.cli.monitor import SampleMonitor
 from rosbase.cli.output import Output
-from rosbase.cli.report import status_line, summary_lines
+from rosbase.cli.panel.fields import wrapped
+from rosbase.cli.reader_handlers import ReaderHandlers
+from rosbase.cli.report import summary_lines
+from rosbase.cli.screen import Screen
 from rosbase.contracts.backend import BackendOptions
 from rosbase.imu.reader import DEFAULT_NODE_NAME, ImuReader
 from rosbase.lifecycle import State
 from rosbase.manager import BaseManager
 from rosbase.parameters import ParameterValue
 from rosbase.roles.connection import open_backend
-from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.node import BaseNode
 from rosbase.runtime.histogram import Histogram
 from rosbase.text.printable import log_line
 
-__all__ = ["ReaderHandlers", "ReaderManager", "run_to_end"]
+__all__ = ["ReaderManager", "run_to_end"]
 
 _TICKS_HZ = 20.0
 
@@ -29,45 +31,13 @@ _LAST_WRITE_S = 0.5
 Echo: TypeAlias = Callable[[str], object]
 
 
-class ReaderHandlers(BaseHandlers):
-    """Shows the live line, and ends the run when its time is up."""
-
-    manager: "ReaderManager"
-
-    def __init__(
-        self, manager: Any = None, *args: Any, duration_s: float | None = None, **kwargs: Any
-    ) -> None:
-        """With a duration, the run ends after so many seconds of the main loop."""
-        super().__init__(manager, *args, **kwargs)
-        self._monotonic_ns = manager.backend.clock.monotonic_ns
-        self._duration_s = duration_s
-        self._start_ns: int | None = None
-        self._shown_ns = 0
-        self._published = 0
-
-    def handle(self) -> None:
-        """Called once per tick."""
-        now_ns = self._monotonic_ns()
-        if self._start_ns is None:
-            self._start_ns = self._shown_ns = now_ns
-        self.manager.flush()
-        is_due = now_ns - self._shown_ns >= self.manager.live_line.period_s * 1e9
-        if is_due and not self.manager.is_quiet:
-            self._show(now_ns)
-        if self._duration_s is not None and now_ns - self._start_ns >= self._duration_s * 1e9:
-            self.manager.request_stop()
-
-    def _show(self, now_ns: int) -> None:
-        reader, monitor = self.manager.reader, self.manager.monitor
-        last = monitor.last if monitor else None
-        published = reader.counts.published
-        rate_hz = (published - self._published) * 1e9 / (now_ns - self._shown_ns)
-        self._published, self._shown_ns = published, now_ns
-        self.manager.live_line.show(status_line(reader, last, self.manager.dropped, rate_hz))
-
-
 class ReaderManager(BaseManager):
     """The reader on any backend, and a monitor of what it publishes where one is needed."""
+
+    name_of_run = "rosbase imu"
+    _has_run = True
+    failure = ""
+    """Why the run has failed, in one line; empty if it has not."""
 
     def __init__(
         self,
@@ -95,11 +65,14 @@ class ReaderManager(BaseManager):
         """
         self._log = log
         self._stdout = Output(sys.stdout)
-        self._report = log if echoes else self._stdout
+        self._report = self._log if echoes else self._stdout
         self._echoes = echoes
         self.is_quiet = is_quiet
-        self.live_line = log.live_line = LiveLine(self._report)
+        self.screen = Screen(self._report)
+        """Where the run is shown."""
+        log.screen = self.screen
         opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
+        self._is_alone = opened.delivers_in_process and not is_quiet
         nodes: dict[str, type[BaseNode]] = {DEFAULT_NODE_NAME: ImuReader}
         # For the live line, where listening costs little; where nothing is shown, for nobody.
         if echoes or listens or (opened.delivers_in_process and not is_quiet):
@@ -133,11 +106,17 @@ class ReaderManager(BaseManager):
             pass
         if self._echoes:
             self._stdout.drain(_LAST_WRITE_S, self.backend.clock)
-        self.live_line.end()
-        if not self.is_quiet:
-            self._report.write("".join(f"{log_line(line)}\n" for line in self.summary()))
+        self.screen.end()
+        if self._has_run and not self.is_quiet:
+            self._report.write("".join(f"{self._fitted(line)}\n" for line in self.summary()))
         for output in (self._stdout, self._log):
             output.drain(_LAST_WRITE_S, self.backend.clock)
+        if self._stdout.error:
+            self.failure = f"cannot write: {self._stdout.error}"
+
+    def _fitted(self, line: str) -> str:
+        line = log_line(line)
+        return wrapped(line, self.screen.size[0]) if self.screen.is_terminal else line
 
     def flush(self) -> None:
         """Writes what waits to be written; ends the run when nobody is left to read it."""
@@ -152,18 +131,35 @@ class ReaderManager(BaseManager):
         lost_on_the_way = self.monitor.dropped if self.monitor else 0
         return lost_on_the_way + (self._stdout.dropped if self._echoes else 0)
 
-    @property
-    def output_error(self) -> str:
-        """Why stdout could not be written, if it could not."""
-        return self._stdout.error
-
     def summary(self) -> list[str]:
         """The lines at the end of the run."""
-        stamps_arrival = not self.reader.settings.uses_device_time
-        return self._summary(self.monitor.latency if self.monitor and stamps_arrival else None)
+        return list(summary_lines(self.reader, self.dropped, self.latency))
 
-    def _summary(self, latency: Histogram | None) -> list[str]:
-        return list(summary_lines(self.reader, self.dropped, latency))
+    @property
+    def latency(self) -> Histogram | None:
+        """From the stamp of a sample to the monitor, in nanoseconds; None if that says nothing.
+
+        A device's own stamp says nothing, because its clock is not ours.
+        """
+        if self.monitor is None or self.reader.settings.uses_device_time:
+            return None
+        return self.monitor.latency
+
+    @property
+    def is_stranded(self) -> bool:
+        """Whether the reader was to be active and is not, and nobody else could make it so."""
+        return self._is_alone and self.is_to_be_active and not self.is_active
+
+    @property
+    def is_to_be_active(self) -> bool:
+        """Whether the reader was to be brought up to the state active."""
+        return self.reader.autostart == "activate"
+
+    def fail(self, why: str, *, has_run: bool = True) -> None:
+        """Ends the run, and has the command say why it has failed; without counts, if need be."""
+        self.failure = why
+        self._has_run = has_run
+        self.request_stop()
 
     @property
     def is_active(self) -> bool:
@@ -175,9 +171,9 @@ class ReaderManager(BaseManager):
 
 
 def run_to_end(manager: ReaderManager) -> int:
-    """Runs it; 0, or 1 with a line on stderr if what it had to say could not be written."""
+    """Runs it; 0, or 1 with a line on stderr that says what has failed."""
     manager.start_main_loop_timer()
-    if manager.output_error:
-        print(f"rosbase: cannot write: {manager.output_error}", file=sys.stderr)
+    if failure := manager.failure:
+        print(f"rosbase: {failure}", file=sys.stderr)
         return 1
     return 0

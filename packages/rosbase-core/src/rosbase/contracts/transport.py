@@ -27,7 +27,7 @@ and nothing of each try. `Tally` counts and `hand_over` calls `on_frame` as prom
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from attrs import define, field, frozen
 
@@ -38,6 +38,7 @@ from rosbase.stamps import Rhythm
 
 __all__ = [
     "OnFrame",
+    "PluggableDevice",
     "SimulatedDevice",
     "Tally",
     "Transport",
@@ -265,4 +266,25 @@ class SimulatedDevice(Protocol):
 
     def close(self) -> None:
         """Ends the link, as pulling the plug does. A `send` that waits ends. Idempotent."""
+        ...
+
+
+@runtime_checkable
+class PluggableDevice(SimulatedDevice, Protocol):
+    """A simulated device with a plug that can be pulled and put back, for `rosbase demo`.
+
+    It is plugged in when it is made. While it is not, `send` raises TransportError.
+    """
+
+    @property
+    def has_room(self) -> bool:
+        """Whether the link would take a payload now, without waiting for whoever reads."""
+        ...
+
+    def unplug(self) -> None:
+        """Pull the plug: whoever reads loses the device. Idempotent."""
+        ...
+
+    def replug(self) -> None:
+        """Put the plug back: the device is where it was, by the same parameters. Idempotent."""
         ...

@@ -1,14 +1,19 @@
 """A simulated IMU: prints what an ideal device on a known motion measures, at a fixed rate."""
 
 import threading
+from collections.abc import Callable, Iterable
+from typing import TypeAlias
 
 from rosbase.clock import Clock, SystemClock
-from rosbase.contracts.transport import SimulatedDevice
+from rosbase.contracts.transport import PluggableDevice, SimulatedDevice
 from rosbase.errors import TransportError
 from rosbase.imu.motion import motion_at
 from rosbase.messages import Time
 
-__all__ = ["ImuSimulator", "payload_at"]
+__all__ = ["Fault", "ImuSimulator", "payload_at"]
+
+Fault: TypeAlias = Callable[[int, bytes], Iterable[bytes]]
+"""Gives what a faulty device sends in place of a sample, by its number and its payload."""
 
 _NS_PER_S = 1_000_000_000
 _PATIENCE_S = 1.0
@@ -30,22 +35,45 @@ def payload_at(t: float, stamp: Time, frame_id: str = "imu_link") -> bytes:
 class ImuSimulator:
     """Sends samples to a simulated device at absolute deadlines, on a thread of its own.
 
-    None is skipped: after a delay the late ones follow at once, as from a buffer.
+    Unless it is told otherwise none is skipped: after a delay the late ones follow at once, as
+    from a buffer.
     """
 
-    def __init__(self, device: SimulatedDevice, rate_hz: float, clock: Clock | None = None) -> None:
-        """Prepares to send `rate_hz` samples per second, stamped with the clock's date."""
+    def __init__(
+        self,
+        device: SimulatedDevice,
+        rate_hz: float,
+        clock: Clock | None = None,
+        *,
+        fault: Fault | None = None,
+        is_attended: bool = True,
+    ) -> None:
+        """Prepares to send `rate_hz` samples per second, stamped with the clock's date.
+
+        Args:
+            device: What sends them.
+            rate_hz: Samples per second.
+            clock: Its date is the stamp.
+            fault: What is sent in place of each sample.
+            is_attended: Whether somebody reads, so that a full link is waited for. Else what a
+                `PluggableDevice` has no room for is not sent.
+        """
         self._device = device
         self._rate_hz = rate_hz
         self._clock = clock or SystemClock()
+        self._fault = fault
+        self._room = None if is_attended or not isinstance(device, PluggableDevice) else device
         self._thread: threading.Thread | None = None
         # Held until the simulator is to stop, so that waiting for it is a wait for the end.
         self._stop = threading.Lock()
+        self._due = 0
         self.sent = 0
         """Samples sent so far."""
 
     def start(self) -> None:
-        """Begins to send."""
+        """Begins to send, or goes on where it was stopped. Harmless when it sends."""
+        if self._thread is not None:
+            return
         self._stop.acquire()
         self._thread = threading.Thread(target=self._run, name="imu-simulator", daemon=True)
         self._thread.start()
@@ -64,15 +92,22 @@ class ImuSimulator:
 
     def _run(self) -> None:
         wait = self._clock.waiter(self._stop)
-        start_ns = self._clock.monotonic_ns()
+        start_ns = self._clock.monotonic_ns() - int(self._due / self._rate_hz * _NS_PER_S)
         while True:
-            due_s = self.sent / self._rate_hz
+            due_s = self._due / self._rate_hz
             wait_ns = start_ns + int(due_s * _NS_PER_S) - self._clock.monotonic_ns()
             if wait(max(0.0, wait_ns / _NS_PER_S)):
                 self._stop.release()
                 return
             try:
-                self._device.send(payload_at(due_s, self._clock.now()))
+                self._send(payload_at(due_s, self._clock.now()))
             except TransportError:
                 return
-            self.sent += 1
+
+    def _send(self, payload: bytes) -> None:
+        number, self._due = self._due, self._due + 1
+        if self._room is not None and not self._room.has_room:
+            return
+        for piece in (payload,) if self._fault is None else self._fault(number, payload):
+            self._device.send(piece)
+        self.sent += 1
