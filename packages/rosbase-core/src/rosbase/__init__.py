@@ -189,6 +189,9 @@ if TYPE_CHECKING:
         printable,
     )
 
+__version__: str
+"""The version of rosbase-core that is installed."""
+
 __all__ = [
     "Autostart",
     "Backend",
@@ -430,16 +433,23 @@ _HOMES = {
     "shutdown_multiprocess_nodes": "rosbase.processes",
     "timer_period_ns": "rosbase.contracts.backend",
 }
+# Programs import from these, too. Python puts each among the names here once it is imported.
+_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
 
 
 def __getattr__(name: str) -> Any:
-    """Imports each name when it is first asked for, so that the command line starts at once."""
-    if name not in _HOMES:
+    """Import each name when it is first asked for, so that the command line starts at once."""
+    if name == "__version__":
+        value: Any = import_module("importlib.metadata").version("rosbase-core")
+    elif name in _HOMES:
+        value = getattr(import_module(_HOMES[name]), name)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """List the public names, and those that Python gives every module."""
+    ours = {"__version__", *__all__, *_PUBLIC_MODULES & globals().keys()}
+    return sorted({*ours, *(name for name in globals() if name.startswith("__"))})

@@ -36,7 +36,7 @@ class Clock(Protocol):
         """Return for how long the machine has slept, which `monotonic_ns` leaves out."""
         ...
 
-    def sleep(self, seconds: float) -> None:
+    def sleep(self, seconds: float, /) -> None:
         """Blocks for that long, whatever other threads do."""
         ...
 

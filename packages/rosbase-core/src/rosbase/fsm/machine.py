@@ -14,7 +14,14 @@ __all__ = ["Machine", "StateHolder"]
 class StateHolder(Protocol):
     """An object in whose attribute the state lives, such as handlers: theirs is the manager's."""
 
-    state: str | None
+    # A property, because pyright refuses one in an object where the protocol has an attribute.
+    @property
+    def state(self) -> str | None:
+        """The present state; None before the first."""
+        ...
+
+    @state.setter
+    def state(self, value: str | None) -> None: ...
 
 
 class Machine:
@@ -71,6 +78,12 @@ class Machine:
         unreachable = self._table.unreachable()
         if holder is None and unreachable:
             raise ValueError(f"no way leads from {initial!r} to {', '.join(unreachable)}")
+
+    def __repr__(self) -> str:
+        return (
+            f"<Machine state={self.state!r} previous={self.previous!r}"
+            f" steps_in_state={self.steps_in_state} states={list(self.states)}>"
+        )
 
     @property
     def state(self) -> str:

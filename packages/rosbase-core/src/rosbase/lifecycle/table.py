@@ -30,7 +30,10 @@ __all__ = [
 
 
 class State(IntEnum):
-    """A state of a managed node. The value is its id in lifecycle_msgs/State."""
+    """A state of a managed node. The value is its id in lifecycle_msgs/State.
+
+    `str(State.ACTIVE)` is its label, `active`; `int(State.ACTIVE)` is its id.
+    """
 
     UNKNOWN = 0
     UNCONFIGURED = 1
@@ -43,6 +46,9 @@ class State(IntEnum):
     ACTIVATING = 13
     DEACTIVATING = 14
     ERRORPROCESSING = 15
+
+    def __str__(self) -> str:
+        return self.label
 
     @property
     def id(self) -> int:

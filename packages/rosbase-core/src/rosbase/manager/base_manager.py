@@ -103,6 +103,15 @@ class BaseManager(Constructed):
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
+    def __repr__(self) -> str:
+        if not hasattr(self, "loop_stats"):
+            return f"<{type(self).__name__} under construction>"
+        return (
+            f"<{type(self).__name__} {self.backend.node_name!r}"
+            f" nodes={list(self.nodes)} agents={list(self.agents)}"
+            f" state={self.state!r} timestamp={self.timestamp}>"
+        )
+
     def _end_program(self) -> None:
         if hasattr(self, "backend"):
             self.backend.end_run()

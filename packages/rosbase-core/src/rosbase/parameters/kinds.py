@@ -4,7 +4,7 @@ import array
 from enum import Enum
 from typing import TypeAlias
 
-from attrs import field, frozen
+from attrs import Factory, field, frozen
 
 __all__ = [
     "ELEMENTS",
@@ -103,7 +103,8 @@ class ParameterSpec:
     name: str
     default: ParameterValue
     description: str = ""
-    kind: ParameterKind = field(kw_only=True)
+    # As a factory, and not by `@kind.default`, which pyright takes for no default at all.
+    kind: ParameterKind = field(kw_only=True, default=Factory(_kind_of, takes_self=True))
     choices: tuple[str, ...] = field(kw_only=True, default=())
     """The only texts allowed, if there are any here."""
     minimum: float | None = field(kw_only=True, default=None)
@@ -112,7 +113,3 @@ class ParameterSpec:
     """The greatest number allowed; for arrays, of each element."""
     read_only: bool = field(kw_only=True, default=False)
     """Whether its value stays what it was when it was declared."""
-
-    @kind.default
-    def _default_kind(self) -> ParameterKind:
-        return _kind_of(self)

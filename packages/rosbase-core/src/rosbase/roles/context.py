@@ -48,6 +48,13 @@ class Component:
             )
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
+    def __repr__(self) -> str:
+        return f"<{' '.join([type(self).__name__, *self._repr_parts()])}>"
+
+    def _repr_parts(self) -> list[str]:
+        """Return what the repr shows after the class. Works before the constructor has run."""
+        return [repr(self._key)] if self._is_initialised and self._key else []
+
     @property
     def _label(self) -> str:
         """What the log calls it: its key at the manager, or its class."""

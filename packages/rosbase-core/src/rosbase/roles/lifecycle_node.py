@@ -256,6 +256,10 @@ class LifecycleNode(BaseNode):
 
     # How a lone node and a transition run.
 
+    def _repr_parts(self) -> list[str]:
+        is_ready = hasattr(self, "_machine")
+        return [*super()._repr_parts(), *([self.get_state().label] if is_ready else [])]
+
     def _begin(self) -> None:
         self.bring_up()
 

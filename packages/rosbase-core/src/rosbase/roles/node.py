@@ -179,6 +179,10 @@ class BaseNode(Constructed, Component):
         if self.manager is None:
             self._backend.close()
 
+    def _repr_parts(self) -> list[str]:
+        is_alone = self.__dict__.get("manager") is None and hasattr(self, "_backend")
+        return [repr(self._backend.node_name)] if is_alone else super()._repr_parts()
+
     def _end_program(self) -> None:
         if hasattr(self, "_backend"):
             self._backend.end_run()

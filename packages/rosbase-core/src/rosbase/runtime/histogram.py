@@ -23,6 +23,10 @@ class Histogram:
         self.count = 0
         self.maximum = 0
 
+    def __repr__(self) -> str:
+        half, most = self.percentile(50), self.percentile(99)
+        return f"<Histogram count={self.count} p50={half} p99={most} maximum={self.maximum}>"
+
     def record(self, value: int) -> None:
         """Counts one value; a negative one counts as 0."""
         self.record_all((value,))

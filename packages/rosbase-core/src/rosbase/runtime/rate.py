@@ -9,6 +9,7 @@ from rosbase.runtime.histogram import Histogram
 __all__ = ["LoopStats", "Rate"]
 
 _NS_PER_S = 1_000_000_000
+_NS_PER_MS = 1_000_000
 
 
 class Rate:
@@ -108,6 +109,13 @@ class LoopStats:
         self._busy = Histogram()
         self._last_start_ns: int | None = None
         self._lock = threading.Lock()
+
+    def __repr__(self) -> str:
+        return (
+            f"<LoopStats ticks={self.ticks} overruns={self.overruns}"
+            f" period_p50_ms={self.period.percentile(50) / _NS_PER_MS:.3f}"
+            f" busy_p50_ms={self.busy.percentile(50) / _NS_PER_MS:.3f}>"
+        )
 
     @property
     def ticks(self) -> int:
