@@ -33,6 +33,8 @@ EXTRAS = {"imu-mqtt": "[broker]"}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
 # Shows what a command has written to a terminal.
 TERMINAL = "pyte>=0.8"
+# Renders the template for a plugin; pyright with its own Node.js, from the package index too.
+PROGRAM_TOOLS = ["copier>=9", "pyright[nodejs]==1.1.414"]
 LINTERS = ["ruff==0.17.6"]
 SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
 OLDEST = "3.11"
@@ -126,16 +128,16 @@ def lint(session: nox.Session) -> None:
 
 @nox.session
 def typing(session: nox.Session) -> None:
-    """The types of everything, tests too, under mypy's strictest rules."""
-    session.install("mypy==2.4.1", "nox", "types-pyserial", TERMINAL, *TEST_TOOLS)
+    """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
+    session.install("mypy==2.4.1", "nox", "types-pyserial")
+    session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in ("core", "imu_serial", "imu_mqtt", "ros2", "integration", "docs", "benchmarks"):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
     session.run("mypy", "docs/conf.py", "docs/generators")
-    for example in sorted(EXAMPLES.glob("*/")):
-        # One by one: each is run from its own folder, and module names repeat.
-        session.run("mypy", str(example), env={"MYPYPATH": f"{example}:{example / 'src'}"})
+    programs = str(Path(session.create_tmp()) / "programs")
+    session.run("python", "tests/check_programs.py", programs, env={"PYTHONPATH": "tests"})
 
 
 @nox.session

@@ -33,9 +33,7 @@ def test_what_is_said_above_a_block_is_understood() -> None:
 
 
 def test_files_of_the_template_are_where_tests_authors_looks_for_them() -> None:
-    pages = {
-        block.page.relative_to(ROOT).as_posix() for block in BLOCKS.values() if block.is_of_template
-    }
+    pages = {block.page.relative_to(ROOT).as_posix() for block in BLOCKS.values() if block.title}
     assert pages <= {"docs/plugins/first-transport.md"}
 
 

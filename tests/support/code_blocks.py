@@ -32,7 +32,8 @@ PAGES = sorted(
 DEVICE = "/dev/ttyUSB0"
 
 _BLOCK = re.compile(
-    r"(?:<!-- (?P<says>.+?) -->\n)?```(?P<kind>\w*)(?P<title> title=\S+)?\n(?P<text>.*?)```", re.S
+    r"(?:<!-- (?P<says>.+?) -->\n)?```(?P<kind>\w*)(?: title=(?P<title>\S+))?\n(?P<text>.*?)```",
+    re.S,
 )
 _FILE = re.compile(r"# (\S*\.\w+)\n")
 
@@ -45,12 +46,13 @@ class Block(NamedTuple):
     text: str
     says: str
     prints: str | None
-    is_of_template: bool
+    title: str
+    """The file of the rendered template that it is, if it is one."""
 
     @property
     def is_run_here(self) -> bool:
         """Whether it is run with rosbase and its transports alone."""
-        return not (self.says.startswith("not run: ") or self.is_for_ros or self.is_of_template)
+        return not (self.says.startswith("not run: ") or self.is_for_ros or self.title)
 
     @property
     def is_for_ros(self) -> bool:
@@ -78,7 +80,7 @@ def _blocks_of(page: Path) -> list[Block]:
     found = list(_BLOCK.finditer(page.read_text()))
     following = [*found[1:], None][: len(found)]
     return [
-        Block(page, m["kind"], m["text"], m["says"] or "", _printed(after), bool(m["title"]))
+        Block(page, m["kind"], m["text"], m["says"] or "", _printed(after), m["title"] or "")
         for m, after in zip(found, following, strict=True)
     ]
 
