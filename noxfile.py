@@ -133,7 +133,16 @@ def typing(session: nox.Session) -> None:
     session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
-    for folder in ("core", "imu_serial", "imu_mqtt", "ros2", "integration", "docs", "benchmarks"):
+    for folder in (
+        "core",
+        "imu_serial",
+        "imu_mqtt",
+        "ros2",
+        "integration",
+        "docs",
+        "installs",
+        "benchmarks",
+    ):
         session.run("mypy", f"tests/{folder}", "tests/support", "tests/conftest.py")
     session.run("mypy", "docs/conf.py", "docs/generators")
     programs = str(Path(session.create_tmp()) / "programs")
@@ -159,8 +168,8 @@ def demo(session: nox.Session) -> None:
 
 @nox.session
 def build(session: nox.Session) -> None:
-    """Source distributions and wheels that hold what they should."""
-    session.install("build", "twine", "hatchling")
+    """Source distributions and wheels that hold what they should; every install command."""
+    session.install("build", "twine", "hatchling", "attrs", "pip", "uv", *TEST_TOOLS)
     dist = Path(session.create_tmp()) / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     for name in ALL:
@@ -169,6 +178,7 @@ def build(session: nox.Session) -> None:
     built = sorted(str(path) for path in dist.iterdir())
     session.run("twine", "check", "--strict", *built)
     session.run("python", "tests/check_wheels.py", *built)
+    _test(session, "tests/installs")
 
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])

@@ -14,7 +14,7 @@ from rosbase.cli.examination import examine
 from rosbase.clock import SystemClock
 from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.parameters import ParameterValue
-from rosbase.plugins import PluginRegistry
+from rosbase.plugins import PluginRegistry, how_to_install
 from rosbase.plugins.switches import PluginSwitches
 from rosbase.testing import ManualClock
 from support.command import run_apart
@@ -221,8 +221,8 @@ def test_every_plugin_is_a_finding_with_what_to_do(
     assert "@hookimpl" in empty.advice
     *missing, backend = others
     assert {(f.outcome, f.text, f.advice) for f in missing} >= {
-        (Outcome.SKIP, "transport 'mqtt' is not installed", "pip install imu-mqtt"),
-        (Outcome.SKIP, "backend 'ros2' is not installed", "pip install rosbase-ros2"),
+        (Outcome.SKIP, "transport 'mqtt' is not installed", how_to_install("imu-mqtt")),
+        (Outcome.SKIP, "backend 'ros2' is not installed", how_to_install("rosbase-ros2")),
     }
     assert backend.outcome is Outcome.FAIL
     assert "ROSBASE_BACKEND: no backend 'carrier'" in backend.text
@@ -232,9 +232,8 @@ def test_with_the_core_alone_nothing_fails(tmp_path: Path) -> None:
     done = run_apart("doctor", path=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("ok    python: ")
-    assert "skip  plugins: transport 'serial' is not installed\n      pip install imu-serial\n" in (
-        done.stdout
-    )
+    skipped = "skip  plugins: transport 'serial' is not installed\n"
+    assert f"{skipped}      {how_to_install('imu-serial')}\n" in done.stdout
 
 
 def test_nothing_of_a_check_is_left_when_it_has_ended(site: Path) -> None:

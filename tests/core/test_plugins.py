@@ -6,7 +6,7 @@ import pytest
 
 from rosbase.cli.list_plugins import run as list_plugins
 from rosbase.errors import NotInstalledError, PluginError
-from rosbase.plugins import PluginRegistry, installed_plugins
+from rosbase.plugins import PluginRegistry, how_to_install, installed_plugins
 from support.plugins import (
     BROKEN_PLUGINS,
     CONVERSION_PLUGIN,
@@ -157,16 +157,22 @@ def test_a_conversion_is_listed_without_being_made(
 @pytest.mark.parametrize(
     ("kind", "name", "line"),
     [
-        ("transport", "mqtt", "transport 'mqtt' needs the package imu-mqtt: pip install imu-mqtt"),
+        (
+            "transport",
+            "mqtt",
+            "transport 'mqtt' needs the package imu-mqtt;"
+            " in a clone of rosbase: pip install ./packages/imu-mqtt;"
+            " from an index that has it (PyPI does not yet): pip install imu-mqtt",
+        ),
         (
             "transport",
             "serial",
-            "transport 'serial' needs the package imu-serial: pip install imu-serial",
+            f"transport 'serial' needs the package imu-serial; {how_to_install('imu-serial')}",
         ),
         (
             "backend",
             "ros2",
-            "backend 'ros2' needs the package rosbase-ros2: pip install rosbase-ros2",
+            f"backend 'ros2' needs the package rosbase-ros2; {how_to_install('rosbase-ros2')}",
         ),
         ("transport", "cam", "no transport 'cam'; installed: can; did you mean 'can'?"),
         ("preset", "x", "no preset 'x'; installed: none"),

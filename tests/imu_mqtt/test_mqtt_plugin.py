@@ -114,7 +114,7 @@ def test_a_demo_without_a_broker_says_in_one_line_what_to_install() -> None:
     assert shown.returncode == 2
     assert shown.stdout == ""
     (line,) = shown.stderr.splitlines()
-    assert "pip install 'imu-mqtt[broker]'" in line
+    assert "pip install 'amqtt>=0.11'" in line
 
 
 def test_what_the_simulated_device_sends_arrives_in_order(rig: MqttRig) -> None:

@@ -247,7 +247,7 @@ def test_an_absent_device_is_waited_for_by_option(port: PluggablePort) -> None:
         (["-p", "baudrate:=0"], "parameter baudrate is at least 1, not 0"),
         (["-p", "device:=x"], "unknown parameter 'device'; did you mean device_path?"),
         (["-p", "comm_t:=seriel"], "no transport 'seriel'; installed: mqtt, serial; did you mean"),
-        (["--backend", "ros2"], "needs the package rosbase-ros2: pip install rosbase-ros2"),
+        (["--backend", "ros2"], "in a clone of rosbase: pip install ./packages/rosbase-ros2"),
     ],
 )
 def test_a_wrong_parameter_is_one_line_and_status_2(arguments: list[str], line: str) -> None:

@@ -16,7 +16,7 @@ try:
     from amqtt.broker import Broker
 except ImportError as error:
     raise NotInstalledError(
-        "a simulated device over MQTT needs a broker: pip install 'imu-mqtt[broker]'"
+        "a simulated device over MQTT needs the broker amqtt: pip install 'amqtt>=0.11'"
     ) from error
 
 __all__ = ["BrokeredDevice", "EmbeddedBroker"]

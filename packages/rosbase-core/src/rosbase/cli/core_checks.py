@@ -10,7 +10,7 @@ from rosbase.clock import Clock, date_fault
 from rosbase.contracts.checks import Finding, Outcome
 from rosbase.errors import NotInstalledError
 from rosbase.imu.settings import judged_plugins
-from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, PluginRegistry
+from rosbase.plugins import BLOCK_VARIABLE, OURS, PluginRecord, PluginRegistry, how_to_install
 from rosbase.roles.connection import BACKEND_VARIABLE, backend_name
 
 __all__ = ["check_clock", "check_plugins", "check_python"]
@@ -56,7 +56,7 @@ def check_plugins(registry: PluginRegistry) -> Iterable[Finding]:
     for record in judged_plugins(registry):
         yield _finding_of(record)
     for what, package in registry.missing.items():
-        yield Finding(Outcome.SKIP, f"{what} is not installed", f"pip install {package}")
+        yield Finding(Outcome.SKIP, f"{what} is not installed", how_to_install(package))
     try:
         registry.backend(backend_name())
     except NotInstalledError as error:
@@ -76,9 +76,13 @@ def _finding_of(record: PluginRecord) -> Finding:
         case "blocked":
             return Finding(Outcome.SKIP, text, f"take it out of {BLOCK_VARIABLE} to have it back")
     name = record.distribution
+    repair = f"pip install --force-reinstall {name}"
+    if name in OURS.values():
+        # pip installs a folder again without being forced to.
+        repair = f"in a clone of rosbase: pip install ./packages/{name}; from an index: {repair}"
     return Finding(
         Outcome.FAIL,
         text,
-        f"repair it (pip install --force-reinstall {name}), remove it (pip uninstall {name}),"
+        f"repair it ({repair}), remove it (pip uninstall {name}),"
         f" or leave it out ({BLOCK_VARIABLE}={record.full_name})",
     )

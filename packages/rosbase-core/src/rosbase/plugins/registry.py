@@ -23,23 +23,13 @@ from rosbase.plugins.descriptors import (
 )
 from rosbase.plugins.discovery import CORE, Candidate, find_candidates
 from rosbase.plugins.loader import PluginRecord, Trace, load_plugin, words_of
+from rosbase.plugins.our_packages import OURS, how_to_install
 from rosbase.plugins.switches import BLOCK_VARIABLE, STRICT_VARIABLE, PluginSwitches
 from rosbase.text.printable import log_line
 
 __all__ = ["ENTRY_POINT_GROUP", "PluginRegistry", "installed_plugins"]
 
 ENTRY_POINT_GROUP = "rosbase"
-
-_OURS = {
-    ("backend", "local"): CORE,
-    ("backend", "ros2"): "rosbase-ros2",
-    ("check", "mqtt"): "imu-mqtt",
-    ("check", "ros2"): "rosbase-ros2",
-    ("check", "serial"): "imu-serial",
-    ("transport", "mqtt"): "imu-mqtt",
-    ("transport", "serial"): "imu-serial",
-}
-"""Names that belong to packages of this project: which one to install, and whose they are."""
 
 AcceptedT = TypeVar("AcceptedT")
 DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
@@ -176,14 +166,14 @@ class PluginRegistry:
         packages = {record.distribution for record in self._plugins}
         return {
             f"{kind} '{name}'": package
-            for (kind, name), package in _OURS.items()
+            for (kind, name), package in OURS.items()
             if kind != CheckPlugin.kind and package not in packages
         }
 
     @staticmethod
     def is_ours(kind: str, name: str) -> bool:
         """Whether the name belongs to a package of this project."""
-        return (kind, name) in _OURS
+        return (kind, name) in OURS
 
     def _of(self, kind: type[DescriptorT]) -> Mapping[str, DescriptorT]:
         return cast(Mapping[str, DescriptorT], self._by_kind.get(kind.kind, {}))
@@ -197,9 +187,9 @@ class PluginRegistry:
     def _explain(self, kind: str, name: str) -> str:
         if why := self._why_not(kind, name):
             return why
-        package = _OURS.get((kind, name))
+        package = OURS.get((kind, name))
         if package:
-            return f"{kind} '{name}' needs the package {package}: pip install {package}"
+            return f"{kind} '{name}' needs the package {package}; {how_to_install(package)}"
         installed = sorted(self._by_kind.get(kind, {}))
         near = difflib.get_close_matches(name, installed, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
@@ -210,7 +200,7 @@ class PluginRegistry:
 
     def _why_not(self, kind: str, name: str) -> str:
         """Which plugin failed or is blocked that has it, or should have it; empty if none is."""
-        package = _OURS.get((kind, name))
+        package = OURS.get((kind, name))
         for record in self._plugins:
             is_owner = record.distribution == package
             # What it would bring is often not known: it has not been imported.
@@ -265,7 +255,7 @@ def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
     failures: dict[str, str] = {}
     for (kind, name), claimants in claims.items():
         core = any(record.candidate.is_core for record in claimants)
-        owner = _OURS.get((kind, name), CORE if core else "")
+        owner = OURS.get((kind, name), CORE if core else "")
         others = [record for record in claimants if record.distribution != owner]
         if owner and len(others) == len(claimants):
             failures |= {r.full_name: f"{kind} '{name}' is reserved for {owner}" for r in others}

@@ -1,7 +1,7 @@
 """For the tests of programs and plugins. Nothing of rosbase itself imports it.
 
-The contracts need pytest and hypothesis (`pip install rosbase-core[testing]`); the rest does not.
-So each name is imported when it is first asked for. The strategies for hypothesis are in
+The contracts need pytest and hypothesis, which the extra `rosbase-core[testing]` brings; the rest
+does not. So each name is imported when it is first asked for. The strategies for hypothesis are in
 `rosbase.testing.strategies`.
 """
 

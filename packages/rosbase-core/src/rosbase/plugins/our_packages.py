@@ -1,0 +1,24 @@
+"""The packages of this project: the names that belong to each, and how to install it."""
+
+from rosbase.plugins.discovery import CORE
+
+__all__ = ["OURS", "how_to_install"]
+
+OURS = {
+    ("backend", "local"): CORE,
+    ("backend", "ros2"): "rosbase-ros2",
+    ("check", "mqtt"): "imu-mqtt",
+    ("check", "ros2"): "rosbase-ros2",
+    ("check", "serial"): "imu-serial",
+    ("transport", "mqtt"): "imu-mqtt",
+    ("transport", "serial"): "imu-serial",
+}
+"""The package that brings what has this kind and name."""
+
+
+def how_to_install(package: str) -> str:
+    """Return the commands that install a package of this project, and where each works."""
+    return (
+        f"in a clone of rosbase: pip install ./packages/{package};"
+        f" from an index that has it (PyPI does not yet): pip install {package}"
+    )
