@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
     folder = Path(arguments[0]).resolve()
     shutil.rmtree(folder, ignore_errors=True)
     projects = [
-        write_blocks(folder / "blocks"),
+        *write_pages(folder),
         render_template(folder / "rendered"),
         fill_in(render_template(folder / "filled_in")),
         # Copies, because pyright is told about all of them by one file.
@@ -36,17 +36,24 @@ def main(arguments: list[str]) -> int:
     return max(*statuses, run_pyright(folder, projects))
 
 
-def write_blocks(folder: Path) -> Path:
-    """Write each block to a file, named as on its page, because programs import each other."""
-    folder.mkdir(parents=True)
+def write_pages(folder: Path) -> list[Path]:
+    """Write each page's programs into one folder, which pages share unless a name is taken."""
+    pages: dict[str, dict[str, str]] = {}
     for name, block in BLOCKS.items():
-        page = block.page.relative_to(ROOT).as_posix()
-        if block.kind == "python" and not block.title and page not in UNTYPED:
-            file = folder / (block.file or re.sub(r"\W", "_", name) + ".py")
-            if file.exists():
-                raise FileExistsError(f"{page}: another page has a program {file.name}")
-            file.write_text(block.text)
-    return folder
+        if block.kind == "python" and not block.title:
+            page = block.page.relative_to(ROOT).as_posix()
+            file = block.file or re.sub(r"\W", "_", name) + ".py"
+            pages.setdefault(page, {})[file] = block.text
+    projects: list[Path] = []
+    for files in (files for page, files in pages.items() if page not in UNTYPED):
+        free = (p for p in projects if not any((p / file).exists() for file in files))
+        if (project := next(free, None)) is None:
+            project = folder / f"pages_{len(projects) + 1}"
+            project.mkdir(parents=True)
+            projects.append(project)
+        for file, text in files.items():
+            (project / file).write_text(text)
+    return projects
 
 
 def render_template(folder: Path) -> Path:

@@ -14,7 +14,8 @@ from rosbase.cli.examination import examine
 from rosbase.clock import SystemClock
 from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.parameters import ParameterValue
-from rosbase.plugins import PluginRegistry, how_to_install
+from rosbase.plugins import PluginRegistry
+from rosbase.plugins.our_packages import how_to_install
 from rosbase.plugins.switches import PluginSwitches
 from rosbase.testing import ManualClock
 from support.command import run_apart

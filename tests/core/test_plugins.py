@@ -6,7 +6,8 @@ import pytest
 
 from rosbase.cli.list_plugins import run as list_plugins
 from rosbase.errors import NotInstalledError, PluginError
-from rosbase.plugins import PluginRegistry, how_to_install, installed_plugins
+from rosbase.plugins import PluginRegistry, installed_plugins
+from rosbase.plugins.our_packages import how_to_install
 from support.plugins import (
     BROKEN_PLUGINS,
     CONVERSION_PLUGIN,

@@ -10,7 +10,8 @@ from rosbase.clock import Clock, date_fault
 from rosbase.contracts.checks import Finding, Outcome
 from rosbase.errors import NotInstalledError
 from rosbase.imu.settings import judged_plugins
-from rosbase.plugins import BLOCK_VARIABLE, OURS, PluginRecord, PluginRegistry, how_to_install
+from rosbase.plugins import BLOCK_VARIABLE, PluginRecord, PluginRegistry
+from rosbase.plugins.our_packages import OURS, how_to_install
 from rosbase.roles.connection import BACKEND_VARIABLE, backend_name
 
 __all__ = ["check_clock", "check_plugins", "check_python"]

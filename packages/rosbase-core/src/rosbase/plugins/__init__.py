@@ -11,14 +11,12 @@ from rosbase.plugins.descriptors import (
 )
 from rosbase.plugins.hookspec import hookimpl
 from rosbase.plugins.loader import PluginRecord
-from rosbase.plugins.our_packages import OURS, how_to_install
 from rosbase.plugins.registry import ENTRY_POINT_GROUP, PluginRegistry, installed_plugins
 from rosbase.plugins.switches import BLOCK_VARIABLE
 
 __all__ = [
     "BLOCK_VARIABLE",
     "ENTRY_POINT_GROUP",
-    "OURS",
     "BackendPlugin",
     "CheckPlugin",
     "CommandPlugin",
@@ -29,6 +27,5 @@ __all__ = [
     "PresetPlugin",
     "TransportPlugin",
     "hookimpl",
-    "how_to_install",
     "installed_plugins",
 ]
