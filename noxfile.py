@@ -36,7 +36,8 @@ TERMINAL = "pyte>=0.8"
 # Renders the template for a plugin; pyright with its own Node.js, from the package index too.
 PROGRAM_TOOLS = ["copier>=9", "pyright[nodejs]==1.1.414"]
 LINTERS = ["ruff==0.17.6"]
-SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19"]
+# The front page shows the screen of a command.
+SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19", TERMINAL]
 OLDEST = "3.11"
 
 
@@ -116,6 +117,14 @@ def docs(session: nox.Session) -> None:
     options = ["-q", "-n", "-W", "--keep-going", "-E", "-d", str(made / "pages")]
     session.run("sphinx-build", *options, "docs", str(made / "site"))
     session.log(f"the site: {made / 'site' / 'index.html'}")
+
+
+@nox.session(default=False)
+def pictures(session: nox.Session) -> None:
+    """Draw the pictures in docs/images anew; `docs` says when they are out of date."""
+    session.install(TERMINAL)
+    _install(session, "rosbase-core", "imu-serial")
+    session.run("python", "-m", "generators.pictures", env={"PYTHONPATH": "docs"})
 
 
 @nox.session

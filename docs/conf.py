@@ -9,7 +9,18 @@ from rosbase import installed_plugins
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from generators import capabilities, conformance, docstrings, lifecycle, names, public, reasons
+from generators import (
+    capabilities,
+    conformance,
+    demo,
+    docstrings,
+    facts,
+    lifecycle,
+    names,
+    public,
+    reasons,
+    roles,
+)
 
 project = "rosbase"
 author = "The rosbase authors"
@@ -52,10 +63,13 @@ nitpick_ignore_regex = [
 GENERATED = {
     "capabilities": lambda: capabilities.tables(installed_plugins()),
     "conformance": conformance.tables,
+    "demo": demo.pictures,
+    "facts": facts.facts,
     "lifecycle diagram": lifecycle.diagram,
     "lifecycle table": lifecycle.table,
     "public names": public.tables,
     "reasons": reasons.reasons,
+    "roles": roles.diagram,
 }
 
 

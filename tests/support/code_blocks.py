@@ -31,8 +31,10 @@ PAGES = sorted(
 )
 DEVICE = "/dev/ttyUSB0"
 
+# A comment that stands elsewhere, such as `generated: roles`, says nothing of a block further down.
 _BLOCK = re.compile(
-    r"(?:<!-- (?P<says>.+?) -->\n)?```(?P<kind>\w*)(?: title=(?P<title>\S+))?\n(?P<text>.*?)```",
+    r"(?:<!-- (?P<says>(?:(?!-->).)+) -->\n)?"
+    r"```(?P<kind>\w*)(?: title=(?P<title>\S+))?\n(?P<text>.*?)```",
     re.S,
 )
 _FILE = re.compile(r"# (\S*\.\w+)\n")
