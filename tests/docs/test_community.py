@@ -85,8 +85,10 @@ def test_the_workflow_runs_every_session_of_nox_and_every_python_where_it_matter
 
 def test_the_sessions_that_contributors_are_told_of_exist() -> None:
     page = (ROOT / "CONTRIBUTING.md").read_text()
+    # Those that run only when they are asked for, too.
+    defined = set(re.findall(r"^def (\w+)\(session: nox\.Session\)", NOXFILE, re.M))
     for named in re.findall(r"nox -s ([a-z ]*[a-z])", page + PRE_COMMIT):
-        assert set(named.split()) <= set(sessions())
+        assert set(named.split()) <= defined
 
 
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob(".github/**/*.md"), *ROOT.glob("packages/*/*.md")]
