@@ -37,7 +37,14 @@ TERMINAL = "pyte>=0.8"
 PROGRAM_TOOLS = ["copier>=9", "pyright[nodejs]==1.1.414"]
 LINTERS = ["ruff==0.17.6"]
 # The front page shows the screen of a command.
-SITE_TOOLS = ["sphinx==9.0.4", "myst-parser==5.2.0", "furo==2025.12.19", TERMINAL]
+SITE_TOOLS = [
+    "sphinx==9.0.4",
+    "myst-parser==5.2.0",
+    "furo==2025.12.19",
+    "sphinx-copybutton==0.5.2",
+    "mermaid-render==0.14.1",
+    TERMINAL,
+]
 OLDEST = "3.11"
 
 

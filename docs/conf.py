@@ -16,10 +16,13 @@ from generators import (
     docstrings,
     facts,
     lifecycle,
+    mermaid,
     names,
     public,
     reasons,
     roles,
+    search,
+    values,
 )
 
 project = "rosbase"
@@ -29,9 +32,10 @@ html_title = "rosbase"
 html_theme = "furo"
 html_copy_source = False
 html_show_sphinx = False
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-# The examples are programs with pages of their own, to be read beside their code.
-exclude_patterns = ["examples", "generators", "template"]
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+exclude_patterns = ["generators", "template"]
 
 # Markdown. Directives stand between colons, so that what stands between backticks is code to run.
 myst_enable_extensions = ["colon_fence"]
@@ -56,6 +60,8 @@ nitpick_ignore_regex = [
     # What only rosbase itself makes.
     (r"py:class", r"rosbase\.(local|plugins\.discovery|plugins\.switches|processes\.launch)\..*"),
     (r"py:class", r"rosbase\.roles\.construction\..*"),
+    # The part of a manager that its components see.
+    (r"py:class", r"rosbase\.roles\.context\.ManagerContext"),
     # Types that stand for any.
     (r"py:.*", r"[\w.]+[a-z]T"),
 ]
@@ -74,8 +80,12 @@ GENERATED = {
 
 
 def fill_in(app: Any, page: str, source: list[str]) -> None:
-    """Puts what is made from the code where a page says `<!-- generated: its name -->`."""
+    """Fill in what a page asks for in a comment: generated text, or words for the search.
+
+    Sphinx calls it with the text of each page.
+    """
     source[0] = re.sub(r"<!-- generated: (.+?) -->", lambda match: GENERATED[match[1]](), source[0])
+    source[0] = re.sub(r"<!-- search: (.+?) -->", lambda match: search.entries(match[1]), source[0])
 
 
 def setup(app: Any) -> None:
@@ -83,5 +93,7 @@ def setup(app: Any) -> None:
     app.connect("source-read", fill_in)
     app.connect("missing-reference", names.find_public)
     app.connect("env-check-consistency", names.complain_of_missing)
+    app.connect("doctree-read", mermaid.replace)
+    app.connect("doctree-read", values.shorten)
     # Before napoleon, which reads what is left.
     app.connect("autodoc-process-docstring", docstrings.prepare, priority=400)

@@ -59,7 +59,7 @@ def table() -> str:
 def diagram() -> str:
     """Every state and every transition, as SVG to stand in a page."""
     parts = [
-        f'<svg class="lifecycle" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-size="15"'
+        f'<div class="diagram"><svg class="lifecycle" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-size="15"'
         ' text-anchor="middle" fill="currentColor" xmlns="http://www.w3.org/2000/svg">',
         "<title>The states of a lifecycle node and the transitions between them</title>",
         *(_head(name, colour) for name, (colour, _) in _styles().items()),
@@ -67,7 +67,7 @@ def diagram() -> str:
         *(_arrow(transition) for transition in TRANSITIONS),
         *(_label(transition) for transition in TRANSITIONS if transition.is_public),
         *_legend(),
-        "</svg>",
+        "</svg></div>",
     ]
     return "\n".join(parts) + "\n"
 

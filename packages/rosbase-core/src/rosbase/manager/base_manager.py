@@ -48,6 +48,24 @@ class BaseManager(Constructed):
     `start_main_loop_timer()` does all of it and returns when the application has ended.
     """
 
+    backend: Backend
+    """The connection of this process. On ROS 2, `backend.node` is the rclpy node."""
+    logger: RosbaseLogger
+    """The logger of the manager. Nodes, agents and handlers have the same one."""
+    nodes: dict[str, Any]
+    """The nodes by name, in the order of `nodes_dict`."""
+    agents: dict[str, Any]
+    """The agents by name, in the order of `agents_dict`."""
+    handlers: BaseHandlers | None
+    """The handlers; None without a `handlers_class`."""
+    node_freq_hz: float
+    """Ticks per second."""
+    state: str | None
+    """The state of the application, to read and to set. rosbase itself gives it no meaning."""
+    timestamp: int
+    """The number of ticks that have ended."""
+    loop_stats: LoopStats
+    """How well the main loop keeps its rate: ticks, skipped ticks, periods and durations."""
     get_state_switch: Callable[[], str | None] | None = None
     """Define it to be asked at the start of each tick; what is not None becomes `state`. It
     must be there, as `state_handle`, when the main loop starts."""
@@ -96,10 +114,10 @@ class BaseManager(Constructed):
             NotInstalledError: No backend of that name can be used.
         """
         self._known_threads = threading.enumerate()
-        self.nodes: dict[str, Any] = {}
-        self.agents: dict[str, Any] = {}
+        self.nodes = {}
+        self.agents = {}
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
-        self.logger: RosbaseLogger = open_logger(self.backend, node_name, custom_logger)
+        self.logger = open_logger(self.backend, node_name, custom_logger)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
@@ -144,7 +162,7 @@ class BaseManager(Constructed):
         self.state = start_state
         self.timestamp = 0
         self.key_being_built = ""
-        self.handlers: BaseHandlers | None = None
+        self.handlers = None
         self.loop_stats = LoopStats()
         self._handshake = Handshake(self.logger)
         self._handshake_timeout_s = handshake_timeout

@@ -3,6 +3,7 @@
 from typing import Any, Protocol
 
 from rosbase.contracts.backend import Backend
+from rosbase.logger import RosbaseLogger
 
 __all__ = ["Component", "ManagerContext"]
 
@@ -26,12 +27,15 @@ class ManagerContext(Protocol):
 class Component:
     """What nodes, agents and handlers have in common: they know their manager, or do without."""
 
+    manager: Any
+    """The manager, or None. Programs may use what their own manager class adds to it."""
+    logger: RosbaseLogger
+    """The manager's logger, or one of its own."""
     _is_initialised = False
     """Whether the constructor of this class has run."""
 
     def __init__(self, manager: ManagerContext | None) -> None:
-        # Any: programs reach for what their own manager class adds.
-        self.manager: Any = manager
+        self.manager = manager
         self._key = str(getattr(manager, "key_being_built", ""))
         self._is_initialised = True
 

@@ -21,7 +21,9 @@ class Histogram:
     def __init__(self) -> None:
         self._counts = [0] * (_STEPS * 60)
         self.count = 0
+        """How many values were recorded."""
         self.maximum = 0
+        """The largest value recorded; 0 if there is none."""
 
     def __repr__(self) -> str:
         half, most = self.percentile(50), self.percentile(99)
