@@ -114,16 +114,18 @@ def authors(session: nox.Session) -> None:
 
 @nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
 def docs(session: nox.Session) -> None:
-    """Every code block of the READMEs and the documentation, run; then the site is built."""
+    """The site, built and looked at; every code block of the READMEs and the documentation, run."""
     session.install(*TEST_TOOLS, *SITE_TOOLS)
     _install(session, *DISTRIBUTIONS)
     # What it declares is on the site; to say so, it needs no ROS.
     session.install("--no-deps", "--force-reinstall", str(PACKAGES / "rosbase-ros2"))
-    _test(session, "tests/docs")
     made = Path(session.create_tmp()).resolve()
     options = ["-q", "-n", "-W", "--keep-going", "-E", "-d", str(made / "pages")]
     session.run("sphinx-build", *options, "docs", str(made / "site"))
     session.log(f"the site: {made / 'site' / 'index.html'}")
+    # The tests look at this one, and need not build it again.
+    session.env["DOCS_SITE"] = str(made / "site")
+    _test(session, "tests/docs")
 
 
 @nox.session(default=False)

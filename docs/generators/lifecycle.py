@@ -59,7 +59,8 @@ def table() -> str:
 def diagram() -> str:
     """Every state and every transition, as SVG to stand in a page."""
     parts = [
-        f'<div class="diagram"><svg class="lifecycle" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-size="15"'
+        '<div class="diagram">',
+        f'<svg class="lifecycle" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-size="15"'
         ' text-anchor="middle" fill="currentColor" xmlns="http://www.w3.org/2000/svg">',
         "<title>The states of a lifecycle node and the transitions between them</title>",
         *(_head(name, colour) for name, (colour, _) in _styles().items()),

@@ -35,7 +35,7 @@ def draw(text: str) -> str:
 
 
 def replace(app: Any, page: Any) -> None:
-    """Put a drawing where a page has the text of one. Called by Sphinx for each page it has read."""
+    """Replace the text of each diagram by its drawing. Sphinx calls it for each page."""
     for block in list(page.findall(nodes.literal_block)):
         if block.get("language") == "mermaid":
             drawing = f'<div class="diagram">{draw(block.astext())}</div>'

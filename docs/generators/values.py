@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from docutils import nodes
 from sphinx.addnodes import desc_annotation
 
 __all__ = ["LONGEST", "shorten"]
@@ -12,9 +11,8 @@ LONGEST = 100
 
 
 def shorten(app: Any, page: Any) -> None:
-    """Replace each longer value with three dots. Called by Sphinx for each page it has read."""
-    for annotation in page.findall(desc_annotation):
+    """Replace each longer value by three dots. Sphinx calls it for each page."""
+    for annotation in list(page.findall(desc_annotation)):
         text = annotation.astext()
         if text.startswith(" = ") and len(text) > LONGEST:
-            annotation.children = []
-            annotation += nodes.Text(" = ...")
+            annotation.replace_self(desc_annotation("", " = ...", classes=annotation["classes"]))

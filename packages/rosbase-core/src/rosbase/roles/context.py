@@ -3,7 +3,6 @@
 from typing import Any, Protocol
 
 from rosbase.contracts.backend import Backend
-from rosbase.logger import RosbaseLogger
 
 __all__ = ["Component", "ManagerContext"]
 
@@ -29,8 +28,11 @@ class Component:
 
     manager: Any
     """The manager, or None. Programs may use what their own manager class adds to it."""
-    logger: RosbaseLogger
-    """The manager's logger, or one of its own."""
+    logger: Any
+    """The manager's logger, or one of its own: a `RosbaseLogger`.
+
+    With a `custom_logger` it also has the methods of that.
+    """
     _is_initialised = False
     """Whether the constructor of this class has run."""
 
