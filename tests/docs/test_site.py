@@ -12,7 +12,7 @@ from generators import capabilities, conformance, docstrings, lifecycle, public
 from rosbase.lifecycle import TRANSITIONS, State
 from rosbase.plugins import PresetPlugin, installed_plugins
 from rosbase.testing import TransportCapabilities
-from support.code_blocks import PAGES, ROOT
+from support.code_blocks import BLOCKS, PAGES, ROOT
 
 DOCS = ROOT / "docs"
 API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
@@ -123,6 +123,13 @@ def test_every_parameter_of_a_transport_is_among_the_capabilities() -> None:
 def test_a_bar_in_a_description_does_not_end_its_cell() -> None:
     preset = PresetPlugin("odd", "left|right", {})
     assert "left\\|right" in capabilities.table(["preset"], [[preset.summary]])
+
+
+def test_a_line_of_a_program_fits_a_page_of_1280_pixels() -> None:
+    # Commands and output are wrapped (docs/static/pages.css).
+    for name, block in BLOCKS.items():
+        if block.kind not in ("bash", "ini", "json", "text"):
+            assert max(map(len, block.text.splitlines())) <= 100, name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
