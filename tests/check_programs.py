@@ -19,6 +19,8 @@ from support.code_blocks import BLOCKS, ROOT
 EXAMPLES = sorted((ROOT / "docs/examples").glob("*/"))
 # The page compares a program for ros_base, which has no annotations, with the same on rosbase.
 UNTYPED = {"docs/migrating-from-ros_base.md"}
+# rclpy has no types, and launch is not in the package index.
+UNTYPED_FILES = {"limiter_rclpy.py", "limiter.launch.py"}
 
 
 def main(arguments: list[str]) -> int:
@@ -43,7 +45,8 @@ def write_pages(folder: Path) -> list[Path]:
         if block.kind == "python" and not block.title:
             page = block.page.relative_to(ROOT).as_posix()
             file = block.file or re.sub(r"\W", "_", name) + ".py"
-            pages.setdefault(page, {})[file] = block.text
+            if file not in UNTYPED_FILES:
+                pages.setdefault(page, {})[file] = block.text
     projects: list[Path] = []
     for files in (files for page, files in pages.items() if page not in UNTYPED):
         free = (p for p in projects if not any((p / file).exists() for file in files))
