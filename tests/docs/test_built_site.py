@@ -18,11 +18,12 @@ LOOKED_FOR = {
         (
             *("topics between programs", "images", "parameters", "services", "recording", "plots"),
             *("launching", "joystick", "asyncio", "real time", "Windows", "macOS", "cameras", "tf"),
-            *("publishing from the command line", "publish from the command line", "log files"),
+            *("publishing from the command line", "publish from the command line"),
             *("actions", "rosbag", "transforms", "threads", "simulation"),
         ),
         FEATURES,
     ),
+    "log files": "logging",
     "rclpy": "how-to/from-rclpy",
     "task state machine": "how-to/task-state-machines",
     "own messages": "how-to/messages",
