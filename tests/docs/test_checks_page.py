@@ -101,7 +101,7 @@ def test_an_example_happens_as_it_is_shown(example: str) -> None:
         player.rig.backend.close()
 
 
-CAUSES = re.findall(r"^\| `(\S.+?)` \| (.+) \|$", TEXT.split("## Why a frame")[1], re.M)
+CAUSES = re.findall(r"^\| `(\S.+?)` \| (.+) \|$", TEXT.split("## Refused frames")[1], re.M)
 
 
 def test_there_are_examples_of_causes() -> None:

@@ -92,7 +92,7 @@ def test_what_is_marked_as_not_yet_there_is_not_and_the_rest_is() -> None:
 
 
 def test_every_difference_gives_its_reason() -> None:
-    section = PAGE.split("\n## What is different, and why\n")[1].split("\n## ")[0]
+    section = PAGE.split("\n## Differences\n")[1].split("\n## ")[0]
     differences = [line.strip("| ").split(" | ") for line in section.splitlines() if "|" in line]
     assert len(differences) > 10
     for difference in differences[2:]:
