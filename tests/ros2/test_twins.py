@@ -17,7 +17,7 @@ TWINS = {"theirs": THEIRS, "ours": OURS}
 def documented() -> dict[str, tuple[str, str]]:
     """The questions that are answered differently, with rclpy's answer and ours."""
     page = (ROOT / "packages/rosbase-ros2/README.md").read_text()
-    section = page.split("\n### The same questions\n")[1].split("\n#")[0]
+    section = page.split("\n### Answers to ROS tools\n")[1].split("\n#")[0]
     rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line[:2] == "| "]
     assert all(len(row) == 4 and row[3] for row in rows[1:])
     return {row[0].strip("`"): (row[1].strip("`"), row[2].strip("`")) for row in rows[1:]}
