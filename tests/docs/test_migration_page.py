@@ -13,8 +13,8 @@ import rosbase
 TESTS = Path(__file__).parents[1]
 PAGE = (TESTS.parent / "docs/migrating-from-ros_base.md").read_text()
 GROUPS = [
-    *("Registration", "Names left free", "Handshake", "Tick", "State"),
-    *("Logger", "Children", "End", "Architecture"),
+    *("Registration", "Free names", "Handshake", "Tick", "State"),
+    *("Logger", "Children", "Shutdown", "Architecture"),
 ]
 
 
