@@ -23,12 +23,12 @@ _PAGE = "plugins/framer-contract"
 
 FRAMER = Promise(
     "a-framer-is-made",
-    "make_framer gives a new framer, with feed and reset, and encode gives bytes.",
+    "make_framer returns a new framer, with feed and reset, and encode returns bytes.",
     _PAGE,
 )
 UNALTERED = Promise(
     "frames-come-out-as-they-went-in",
-    "What has been encoded comes out as one frame each, byte for byte, in order.",
+    "Each encoded payload comes out as one frame, byte for byte, in order.",
     _PAGE,
 )
 CHUNKING = Promise(
@@ -38,22 +38,22 @@ CHUNKING = Promise(
 )
 JUNK = Promise(
     "junk-spoils-few-frames",
-    "After junk, few frames are lost or spoiled; the next ones come out whole, none merged.",
+    "After junk, few frames are lost or damaged; later frames come out complete, none merged.",
     _PAGE,
 )
 NOT_RAISING = Promise(
     "any-bytes-may-come",
-    "feed takes any bytes, raises nothing, and gives a list of Frame and FrameError.",
+    "feed takes any bytes, raises nothing, and returns a list of Frame and FrameError.",
     _PAGE,
 )
 MEMORY = Promise(
     "memory-is-bounded",
-    "Neither bytes that never end a frame pile up, nor frames that have come out.",
+    "Bytes that never end a frame do not pile up, and no frame is kept after it came out.",
     _PAGE,
 )
 ERRORS = Promise(
     "what-is-too-long-is-an-error",
-    "Bytes that are too many for a frame give a FrameError: what is lost is not lost in silence.",
+    "Too many bytes for a frame give a FrameError, so no loss is silent.",
     _PAGE,
 )
 STAMPS = Promise(
@@ -68,22 +68,22 @@ STAMP_ORDER = Promise(
 )
 RESET = Promise(
     "reset-forgets-a-begun-frame",
-    "After reset, what comes next does not continue what was begun.",
+    "After reset, new bytes do not continue a frame that was begun.",
     _PAGE,
 )
 PENDING = Promise(
     "pending-bytes-are-those-since-the-last-end",
-    "pending_bytes, where there is one, says how many bytes were fed since a frame ended.",
+    "pending_bytes, if there is one, is the number of bytes fed since a frame ended.",
     _PAGE,
 )
 REASONS = Promise(
     "an-error-has-a-reason-of-one-word",
-    "The reason of a FrameError is one word, from a few, so that it can be counted.",
+    "The reason of a FrameError is one of a few words, so that it can be counted.",
     _PAGE,
 )
 SEPARATE = Promise(
     "two-framers-share-nothing",
-    "What one framer is fed does not change what another gives.",
+    "Bytes fed to one framer do not change the output of another.",
     _PAGE,
 )
 

@@ -21,7 +21,7 @@ class BoundChecks(TransportAuthor):
 
     @check("is_stream")
     def test_calls_are_bounded_within_a_frame(self, bench: Bench) -> None:
-        """stop and close return in time although the rest of a frame has yet to come."""
+        """stop and close return in time although the rest of a frame is missing."""
         peer, transport, _ = bench.reading()
         encoded = peer.encode(self.payload(0))
         half = encoded[: len(encoded) // 2]
@@ -34,7 +34,7 @@ class BoundChecks(TransportAuthor):
 
     @check("can_be_absent")
     def test_calls_are_bounded_while_the_device_is_absent(self, bench: Bench) -> None:
-        """Each call returns in time although the device is not there."""
+        """Each call returns in time although the device is absent."""
         peer = bench.peer()
         made = [bench.transport(peer)]
         if self.capabilities.waits_with:
@@ -48,7 +48,7 @@ class BoundChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_calls_are_bounded_during_a_reconnect(self, bench: Bench) -> None:
-        """Each call returns in time while the transport tries to reach the device again."""
+        """Each call returns in time while the transport reconnects."""
         peer, transport, _ = bench.reading()
         peer.unplug()
         bench.wait_for_loss(transport)

@@ -28,7 +28,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_making_a_transport_touches_nothing(self, bench: Bench) -> None:
-        """Making a transport opens no device and starts no thread: it is closed."""
+        """The constructor opens no device and starts no thread. The transport is closed."""
         peer = bench.peer()
         bench.transport(peer)
         before, open_before = threads(), descriptors()
@@ -43,7 +43,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_the_first_parameter_says_which_device(self, bench: Bench) -> None:
-        """The first parameter of the plugin says which device it is; peers say which they are."""
+        """The first parameter of the plugin names the device; peers give it a value."""
         if not self.transport:
             pytest.skip(f"{type(self).__name__}.transport names no installed transport")
         specs = self.plugin().parameters
@@ -62,7 +62,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_what_the_peer_can_do_is_declared(self, bench: Bench) -> None:
-        """A peer that can send bytes as they are, or be unplugged, is declared to."""
+        """If a peer can send raw bytes or be unplugged, the test declares it."""
         peer = bench.peer()
         # Where there is nothing yet that can do anything, that is what is to be said.
         bench.transport(peer).open()
@@ -77,7 +77,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_each_call_may_be_made_twice(self, bench: Bench) -> None:
-        """Each of the four calls may be made twice; the second does nothing."""
+        """Each of the four calls may be made twice; the second call does nothing."""
         peer = bench.peer()
         transport, subscriber = bench.transport(peer), RecordingSubscriber()
         other = RecordingSubscriber()
@@ -106,7 +106,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_the_calls_come_in_any_order(self, bench: Bench) -> None:
-        """The four calls may come in any order: what is not running is stopped by doing nothing."""
+        """The four calls may come in any order; stopping what is not running does nothing."""
         peer = bench.peer()
         transport = bench.transport(peer)
         transport.stop()
@@ -131,7 +131,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_it_starts_again_after_stop_and_after_close(self, bench: Bench) -> None:
-        """After stop, and after close, start begins again."""
+        """After stop, and after close, start reads again."""
         peer = bench.peer()
         transport = bench.transport(peer)
         for ending in (transport.stop, transport.close, transport.stop):
@@ -141,7 +141,7 @@ class CallChecks(TransportAuthor):
 
     @check()
     def test_the_calls_come_from_any_thread(self, bench: Bench) -> None:
-        """The four calls may come from several threads at once."""
+        """Several threads may make the four calls at once."""
         peer = bench.peer()
         transport = bench.transport(peer)
         callers = [_RandomCaller(transport.made, seed) for seed in range(_CALLERS)]

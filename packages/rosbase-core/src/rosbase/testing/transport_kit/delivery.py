@@ -30,7 +30,7 @@ class DeliveryChecks(TransportAuthor):
 
     @check()
     def test_on_frame_is_called_on_one_thread_of_its_own(self, bench: Bench) -> None:
-        """From start to stop on_frame is called on one thread, which nobody calls from."""
+        """From start to stop, on_frame is called on one thread, which is no caller's thread."""
         peer = bench.peer()
         transport = bench.transport(peer)
         subscriber = RecordingSubscriber()
@@ -45,7 +45,7 @@ class DeliveryChecks(TransportAuthor):
 
     @check()
     def test_what_on_frame_raises_does_not_end_the_stream(self, bench: Bench) -> None:
-        """Whatever on_frame raises, SystemExit too, the next frames are handed over."""
+        """If on_frame raises, even SystemExit, the next frames are delivered."""
         for error in (ValueError("no good"), SystemExit(3)):
             peer, _, subscriber = _raising(bench, error)
             sent = bench.payloads(20)
@@ -56,7 +56,7 @@ class DeliveryChecks(TransportAuthor):
 
     @check()
     def test_what_on_frame_raises_is_logged(self, bench: Bench) -> None:
-        """What on_frame raises is logged as an error, at a limited rate."""
+        """Exceptions from on_frame are logged as errors, at a limited rate."""
         for error in (ValueError("no good"), SystemExit(3)):
             peer, transport, subscriber = _raising(bench, error)
             peer.send(*bench.payloads(_SOME))
@@ -70,7 +70,7 @@ class DeliveryChecks(TransportAuthor):
 
     @check()
     def test_what_on_frame_answers_changes_nothing_in_delivery(self, bench: Bench) -> None:
-        """Whatever on_frame answers, the next frames of a device are handed over, each once."""
+        """The return value of on_frame does not change delivery: each next frame arrives once."""
         for name, answers in _ANSWERS.items():
             peer, transport, subscriber = _answering(bench, answers)
             sent = bench.payloads(_SOME)
@@ -87,7 +87,7 @@ class DeliveryChecks(TransportAuthor):
 
     @check()
     def test_a_reader_that_dies_is_noticed(self, bench: Bench) -> None:
-        """If the thread that reads fails, health says so, and start begins again."""
+        """If the reader thread fails, health reports it, and start reads again."""
         clock = FailingClock()
         peer, transport, subscriber = bench.reading(clock)
         peer.send(*bench.payloads(1))

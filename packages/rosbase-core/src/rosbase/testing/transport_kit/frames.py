@@ -45,7 +45,7 @@ class FrameChecks(TransportAuthor):
 
     @check("is_stream")
     def test_frames_in_one_piece_are_kept_apart(self, bench: Bench) -> None:
-        """Frames that arrive in one piece are handed over one by one."""
+        """Frames that arrive in one chunk are delivered one by one."""
         peer, _, subscriber = bench.reading()
         sent = bench.payloads(_MANY)
         peer.send_raw(b"".join(peer.encode(payload) for payload in sent))
@@ -54,7 +54,7 @@ class FrameChecks(TransportAuthor):
 
     @check("is_stream")
     def test_a_frame_in_pieces_is_put_together(self, bench: Bench) -> None:
-        """A frame that arrives in pieces is handed over when it is whole."""
+        """A frame that arrives in pieces is delivered when it is complete."""
         peer, transport, subscriber = bench.reading()
         (payload,) = bench.payloads(1)
         encoded = peer.encode(payload)
@@ -67,7 +67,7 @@ class FrameChecks(TransportAuthor):
 
     @check("is_stream")
     def test_frames_after_junk_are_whole(self, bench: Bench) -> None:
-        """After junk, few frames are lost or spoiled; the next ones are whole, none merged."""
+        """After junk, few frames are lost or damaged; later frames are complete, none merged."""
         peer, _, subscriber = bench.reading()
         begun = peer.encode(self.payload(9_000))
         for junk in (*self.junk, begun[: len(begun) // 2]):
@@ -84,7 +84,7 @@ class FrameChecks(TransportAuthor):
 
     @check("bad_frames")
     def test_a_bad_frame_does_not_end_the_stream(self, bench: Bench) -> None:
-        """What cannot be a frame is not handed over, and does not end the stream."""
+        """An invalid frame is not delivered and does not end the stream."""
         peer, _, subscriber = bench.reading()
         for bad in self.capabilities.bad_frames:
             subscriber.clear()
@@ -98,7 +98,7 @@ class FrameChecks(TransportAuthor):
 
     @check("is_stream")
     def test_a_frame_begun_before_a_stop_is_not_continued(self, bench: Bench) -> None:
-        """What was begun before stop is not handed over, nor continued after the next start."""
+        """A frame begun before stop is neither delivered nor continued after the next start."""
         peer, transport, subscriber = bench.reading()
         begun, whole = bench.payloads(2)
         half = peer.encode(begun)[: len(peer.encode(begun)) // 2]
@@ -115,7 +115,7 @@ class FrameChecks(TransportAuthor):
 
     @check("bad_frames")
     def test_bad_frames_are_counted(self, bench: Bench) -> None:
-        """What cannot be a frame is counted in health.frame_errors, by a few reasons of a word."""
+        """health.frame_errors counts invalid frames, under a few reasons of one word."""
         peer, transport, subscriber = bench.reading()
         kinds = self.capabilities.bad_frames
         for count, bad in enumerate(kinds * _TIMES, start=1):
@@ -132,7 +132,7 @@ class FrameChecks(TransportAuthor):
 
     @check()
     def test_what_came_before_start_is_discarded(self, bench: Bench) -> None:
-        """What the device sent before start is not handed over: it is not known when it came."""
+        """Data from before start is not delivered: its arrival time is unknown."""
         peer = bench.peer()
         transport = bench.transport(peer)
         transport.open()
@@ -150,7 +150,7 @@ class FrameChecks(TransportAuthor):
 
     @check()
     def test_what_comes_after_start_is_handed_over(self, bench: Bench) -> None:
-        """What the device sends once start has returned is handed over."""
+        """Data that the device sends after start has returned is delivered."""
         peer = bench.peer()
         transport = bench.transport(peer)
         for _ in range(_STARTS):
@@ -164,7 +164,7 @@ class FrameChecks(TransportAuthor):
 
     @check()
     def test_two_transports_do_not_disturb_each_other(self, bench: Bench) -> None:
-        """Two transports hand over what is theirs, and the end of one is not the other's."""
+        """Two transports deliver their own data, and one goes on when the other ends."""
         one_peer, one, one_subscriber = bench.reading()
         other_peer, other, other_subscriber = bench.reading()
         ones, others = bench.payloads(_BATCH), bench.payloads(_BATCH, first=_BATCH)

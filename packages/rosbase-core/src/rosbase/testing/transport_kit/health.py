@@ -17,7 +17,7 @@ class HealthChecks(TransportAuthor):
 
     @check()
     def test_is_open_is_true_as_long_as_the_device_is_held(self, bench: Bench) -> None:
-        """is_open is true from open to close, also after stop."""
+        """is_open is True from open to close, also after stop."""
         peer = bench.peer()
         transport = bench.transport(peer)
         bench.require(not transport.is_open, "is_open was true before open")
@@ -45,7 +45,7 @@ class HealthChecks(TransportAuthor):
 
     @check()
     def test_health_counts_what_arrives(self, bench: Bench) -> None:
-        """health counts frames and bytes; nothing is wrong with good frames."""
+        """health counts frames and bytes; valid frames cause no errors."""
         peer, transport, subscriber = bench.reading()
         sent = bench.payloads(20)
         peer.send(*sent)
@@ -60,7 +60,7 @@ class HealthChecks(TransportAuthor):
 
     @check()
     def test_counts_go_on_over_stop_and_close(self, bench: Bench) -> None:
-        """What health counts, it has counted since the transport was made."""
+        """The counts in health start when the transport is made and are never reset."""
         peer = bench.peer()
         transport = bench.transport(peer)
         sent = bench.payloads(15)
@@ -80,7 +80,7 @@ class HealthChecks(TransportAuthor):
 
     @check()
     def test_only_data_proves_that_a_device_is_alive(self, bench: Bench) -> None:
-        """health.last_data_ns is when bytes last arrived; without bytes it stays as it is."""
+        """health.last_data_ns is when bytes last arrived; without bytes it does not change."""
         peer, transport, subscriber = bench.reading()
         never = transport.health.last_data_ns
         bench.require(never is None, f"it was {never} before anything arrived")
@@ -97,7 +97,7 @@ class HealthChecks(TransportAuthor):
 
     @check()
     def test_health_never_waits(self, bench: Bench) -> None:
-        """health and is_open answer at once, also while stop waits for an on_frame that hangs."""
+        """health and is_open return at once, also while stop waits for an on_frame that hangs."""
         peer = bench.peer()
         transport = bench.transport(peer)
         with bench.hanging(peer, transport):

@@ -43,7 +43,7 @@ class LossChecks(TransportAuthor):
 
     @check("can_be_absent", "can_unplug")
     def test_open_may_be_tried_again(self, bench: Bench) -> None:
-        """After open has failed, it succeeds as soon as the device is there."""
+        """After open has failed, it succeeds as soon as the device is present."""
         peer = bench.peer()
         transport = bench.transport(peer)
         peer.unplug()
@@ -54,7 +54,7 @@ class LossChecks(TransportAuthor):
 
     @check("waits_with", "can_unplug")
     def test_an_absent_device_is_waited_for(self, bench: Bench) -> None:
-        """Told to wait, open returns without the device, which is read as soon as it comes."""
+        """If told to wait, open returns without the device and reads it as soon as it appears."""
         peer = bench.peer()
         transport = bench.transport(peer, waits=True)
         peer.unplug()
@@ -72,7 +72,7 @@ class LossChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_a_loss_is_noticed(self, bench: Bench) -> None:
-        """When the device is lost, health says RECONNECTING and why, and is_open is false."""
+        """When the device is lost, health is RECONNECTING with the reason; is_open is False."""
         peer, transport, _ = bench.reading()
         peer.unplug()
         bench.wait_for_loss(transport)
@@ -83,7 +83,7 @@ class LossChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_data_flows_again_after_a_loss(self, bench: Bench) -> None:
-        """When the device is back, data flows again by itself, on the same thread, in time."""
+        """When the device returns, data flows again by itself, on the same thread, in time."""
         peer = bench.peer()
         transport = bench.transport(peer)
         readers: set[threading.Thread] = set()
@@ -101,7 +101,7 @@ class LossChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_reconnects_are_counted(self, bench: Bench) -> None:
-        """health.reconnects says how often the device was lost and came back."""
+        """health.reconnects counts how often the device was lost and came back."""
         peer, transport, subscriber = bench.reading()
         for times in range(_LOSSES):
             counted = transport.health.reconnects
@@ -116,7 +116,7 @@ class LossChecks(TransportAuthor):
 
     @check("is_stream", "can_unplug")
     def test_a_frame_begun_before_a_loss_is_not_continued(self, bench: Bench) -> None:
-        """What was begun before a loss is forgotten, not continued with what comes after it."""
+        """A frame begun before a loss is discarded, not continued with later data."""
         peer, transport, subscriber = bench.reading()
         (begun,) = bench.payloads(1)
         encoded = peer.encode(begun)
@@ -135,7 +135,7 @@ class LossChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_a_loss_is_a_few_lines_in_the_log(self, bench: Bench) -> None:
-        """The log has a line for each change, not for each try: lost, not there, is back."""
+        """The log has a line for each change, not for each attempt: lost, absent, back."""
         peer, transport, subscriber = bench.reading()
         said = len(bench.log.lines)
         for _ in range(_LOSSES):
@@ -150,10 +150,7 @@ class LossChecks(TransportAuthor):
 
     @check("reopens_with")
     def test_a_silent_device_is_opened_anew(self, bench: Bench) -> None:
-        """Told to, it opens a silent device anew until data flows, counts that, and says it once.
-
-        That is two lines in the log: the device is silent, and the device sends again.
-        """
+        """If told to, it reopens a silent device until data flows, counts that, and logs it once."""
         peer = bench.peer()
         transport = bench.transport(peer, reopens=True)
         subscriber = RecordingSubscriber()

@@ -27,7 +27,7 @@ class HistoryChecks(TransportAuthor):
 
     @check()
     def test_every_history_ends_where_the_model_says(self, bench: Bench) -> None:
-        """After any history of calls, data, junk and losses it is where the last ones lead."""
+        """After any history of calls, data, junk and losses, its state is that of the model."""
         failures: list[BrokenPromiseError] = []
 
         class History(Machine):

@@ -8,22 +8,22 @@ PAGE = "plugins/transport-contract"
 
 PEER = Promise(
     "a-peer-plays-the-device",
-    "make_peer gives what plays the device: parameters, send and close.",
+    "make_peer returns a simulated device with parameters, send and close.",
     PAGE,
 )
 PEER_ABILITIES = Promise(
     "the-peer-can-do-what-is-declared",
-    "The peer has what the capabilities of the contract need.",
+    "The peer has the methods that the capabilities of the contract need.",
     PAGE,
 )
 FACTORY = Promise(
     "a-transport-is-made",
-    "make_transport gives a rosbase.Transport.",
+    "make_transport returns a rosbase.Transport.",
     PAGE,
 )
 CALLS = Promise(
     "every-call-is-written",
-    "open, start, stop, close, is_open and health do their work and give what they should.",
+    "open, start, stop, close, is_open and health are implemented and return valid values.",
     PAGE,
 )
 

@@ -21,7 +21,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_close_ends_its_threads(self, bench: Bench) -> None:
-        """Once close has returned, the transport's threads have ended, whatever went before."""
+        """After close, the transport's threads have ended, whatever happened before."""
         for name, live in self._lives(bench).items():
             live()
             # Counted, because a peer that comes back may have threads of its own.
@@ -37,7 +37,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_close_gives_descriptors_back(self, bench: Bench) -> None:
-        """Once close has returned, no descriptor of the transport's is open, likewise."""
+        """After close, the transport has no open descriptor, whatever happened before."""
         for name, live in self._lives(bench).items():
             live()
             before = descriptors()
@@ -52,7 +52,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_close_gives_the_device_back(self, bench: Bench) -> None:
-        """Once close has returned, another transport can have the device."""
+        """After close, another transport can open the device."""
         peer = bench.peer()
         for _ in range(3):
             transport = bench.transport(peer)
@@ -61,7 +61,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_an_on_frame_that_hung_leaves_nothing_behind(self, bench: Bench) -> None:
-        """When an on_frame that hung returns at last, its thread ends and the device is free."""
+        """When an on_frame that hung returns, its thread ends and the device is released."""
         peer = bench.peer()
         before = threads()
         transport = bench.transport(peer)
@@ -87,7 +87,7 @@ class ResourceChecks(TransportAuthor):
 
     @check("can_unplug")
     def test_a_reconnect_leaks_nothing(self, bench: Bench) -> None:
-        """A device that was lost and came back costs no thread and no descriptor."""
+        """A device that was lost and came back leaves no extra thread and no extra descriptor."""
         peer, transport, subscriber = bench.reading()
         counts = []
         for _ in range(3):
@@ -121,7 +121,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_memory_is_bounded_in_a_flood(self, bench: Bench) -> None:
-        """What arrives faster than on_frame takes it does not pile up in the transport."""
+        """Data that arrives faster than on_frame takes it does not pile up in the transport."""
         peer = bench.peer()
         transport = bench.transport(peer)
         wanted = self.memory_limit_bytes * _TIMES_THE_LIMIT
@@ -137,7 +137,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_memory_is_bounded_while_it_reads(self, bench: Bench) -> None:
-        """What has been handed over, or counted as an error, is not kept."""
+        """The transport keeps no frame after it was delivered or counted as an error."""
         peer = bench.peer()
         transport = bench.transport(peer)
         transport.start(lambda frame, stamp_ns: None)
@@ -157,7 +157,7 @@ class ResourceChecks(TransportAuthor):
 
     @check()
     def test_waiting_costs_no_processor(self, bench: Bench) -> None:
-        """While nothing arrives, or the device is away, it waits and does not turn in a circle."""
+        """While nothing arrives, or the device is away, it waits without using the processor."""
         peer, transport, _ = bench.reading()
         self._require_idle(bench, "nothing arrived")
         if self.capabilities.can_unplug:

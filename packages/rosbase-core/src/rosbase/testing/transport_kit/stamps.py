@@ -56,7 +56,7 @@ class StampChecks(TransportAuthor):
 
     @check()
     def test_stamps_lie_between_sending_and_arrival(self, bench: Bench) -> None:
-        """A lone frame is stamped when its first bytes were read, not earlier or later."""
+        """A lone frame is stamped with the time when its first bytes were read."""
         peer, _, subscriber = bench.reading()
         delays_ns = []
         for payload in bench.payloads(20):
@@ -92,7 +92,7 @@ class StampChecks(TransportAuthor):
 
     @check()
     def test_stamps_strictly_rise(self, bench: Bench) -> None:
-        """Each frame is stamped later than the one before it, unless the date was set back."""
+        """Each stamp is later than the one before, unless the date was set back."""
         peer, _, subscriber = bench.reading()
         for first in range(0, _MANY, 10):
             if self.capabilities.is_stream:
@@ -107,7 +107,7 @@ class StampChecks(TransportAuthor):
 
     @check()
     def test_frames_read_together_are_spread(self, bench: Bench) -> None:
-        """Frames that are read together are stamped evenly over the time since the read before."""
+        """Stamps of frames read together are spread evenly over the time since the last read."""
         peer, stall = bench.peer(), Stall(bench)
         bench.transport(peer).start(stall.subscriber)
         _learn(bench, peer, stall.subscriber)
@@ -193,7 +193,7 @@ class StampChecks(TransportAuthor):
 
     @check()
     def test_a_clock_that_is_set_is_one_break(self, bench: Bench) -> None:
-        """When the date is set, stamps follow it at once; it is counted and logged as one step."""
+        """When the date is set, stamps follow at once, and one step is counted and logged."""
         clock = SteppingClock()
         peer, transport, subscriber = bench.reading(clock)
         peer.send(*bench.payloads(3))
@@ -218,7 +218,7 @@ class StampChecks(TransportAuthor):
 
     @check()
     def test_time_is_that_of_the_given_clock(self, bench: Bench) -> None:
-        """Stamps and health.last_data_ns are the time of the context's clock."""
+        """Stamps and health.last_data_ns use the clock of the context."""
         clock = ShiftedClock()
         peer, transport, subscriber = bench.reading(clock)
         sent_ns, sent_at_ns = clock.now_ns(), clock.monotonic_ns()
