@@ -1,7 +1,7 @@
-"""For the tests of programs and plugins. Nothing of rosbase itself imports it.
+"""Helpers for the tests of programs and plugins. No other module of rosbase imports it.
 
-The contracts need pytest and hypothesis, which the extra `rosbase-core[testing]` brings; the rest
-does not. So each name is imported when it is first asked for. The strategies for hypothesis are in
+The contracts need pytest and hypothesis, which the extra `rosbase-core[testing]` installs; the rest
+does not. So each name is imported when it is first used. The strategies for hypothesis are in
 `rosbase.testing.strategies`.
 """
 
@@ -59,7 +59,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Imports each name when it is first asked for."""
+    """Import each name when it is first used."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

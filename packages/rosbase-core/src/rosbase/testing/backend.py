@@ -1,4 +1,4 @@
-"""A backend in virtual time."""
+"""Backend in virtual time."""
 
 from rosbase.clock import Clock
 from rosbase.contracts.backend import BackendOptions
@@ -12,11 +12,11 @@ __all__ = ["virtual_backend"]
 def virtual_backend(
     clock: Clock | None = None, node_name: str = "test", **parameters: ParameterValue
 ) -> LocalBackend:
-    """A local backend for one test: its own topics, and time that takes none.
+    """Return a local backend for one test, with topics of its own and virtual time.
 
     Args:
         clock: Its clock; a new `ManualClock` by default.
-        node_name: The name of the manager or node that is to use it.
-        parameters: Values that win over the defaults of parameters declared later.
+        node_name: The name of the manager or node that will use it.
+        parameters: Values that override the defaults of parameters declared later.
     """
     return LocalBackend(BackendOptions(node_name, parameters, clock or ManualClock()), Bus())

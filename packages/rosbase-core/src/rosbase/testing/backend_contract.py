@@ -1,4 +1,4 @@
-"""The backend contract as tests: subclass it, say how a backend is made, and run pytest.
+"""Conformance kit for backends: subclass `BackendContract` and implement `make_backend`.
 
 ```
 class TestMyBackend(BackendContract):
@@ -8,8 +8,8 @@ class TestMyBackend(BackendContract):
         return MyBackend(options)
 ```
 
-Each test checks one promise, which has its name (`rosbase.testing.backend_kit.promises`). One that
-fails says what was promised, what was seen instead, and where more is written about it.
+Each test checks one promise and has its name (`rosbase.testing.backend_kit.promises`). A failure
+shows the promise, what the test saw instead, and the page about it.
 """
 
 from rosbase.testing.backend_kit.ending import EndingChecks
@@ -34,15 +34,15 @@ class BackendContract(
     ParameterChecks,
     EndingChecks,
 ):
-    """All checks of a backend. A subclass whose name begins with `Test` is run by pytest.
+    """All checks of a backend. pytest runs a subclass whose name begins with `Test`.
 
     Must define: `make_backend(self, options)`.
 
-    May define: `capabilities`, for whatever the backend can that not every one can; `make_peer`,
-    where another backend of the same world is made otherwise; `patience_s`, on slow machines.
+    May define: `capabilities`, for the optional capabilities of the backend; `make_peer`,
+    if another backend of the same world is made in a different way; `patience_s`, on slow machines.
     """
 
 
 for _name, _promise in PROMISES.items():
-    # pytest shows it where a backend raises what nobody expects.
+    # pytest shows it if a backend raises an unexpected exception.
     getattr(BackendContract, f"test_{_name.replace('-', '_')}").promise = _promise

@@ -1,4 +1,4 @@
-"""A clock that stands still until somebody waits or turns it."""
+"""Clock that stands still until a thread waits on it or advances it."""
 
 import threading
 from collections.abc import Callable
@@ -12,16 +12,16 @@ _FOR_EVER = 5_000_000
 
 
 class ManualClock:
-    """Virtual time: a wait that nobody ends takes none of the real one.
+    """Virtual clock: a wait takes no real time unless another thread ends it.
 
-    What waits on this clock finds itself at the end of the wait at once. So a manager with its
-    timers and its handlers runs as fast as the machine can, and the same way each time.
+    A wait on this clock moves the clock to the end of the wait and returns at once. So a manager
+    with its timers and its handlers runs as fast as the machine can, and the same way each time.
 
-    Where something never waits, such as two nodes that answer each other's every message, time
-    never goes on. After some millions of looks at the clock that is a RuntimeError; call
-    `advance` in one of the callbacks, as if it took its time.
+    If nothing waits, such as two nodes that answer each other's every message, time stands still.
+    After some millions of readings, the clock raises a RuntimeError. Call
+    `advance` in one of the callbacks, as if the callback took that time.
 
-    A run that takes longer than `real_limit_s` is a TimeoutError that says where it hangs.
+    If a run takes longer than `real_limit_s`, a TimeoutError says where it hangs.
     """
 
     def __init__(
@@ -35,13 +35,13 @@ class ManualClock:
                 no limit.
         """
         self.real_limit_s = real_limit_s
-        """How long a run may take in real time, in seconds."""
+        """Limit of a run in real time, in seconds."""
         self.date_ns = now_ns
-        """The date at which the clock was started. Set it to step the date, as NTP may."""
+        """Date at which the clock was started. Set it to step the date, as NTP may."""
         self.elapsed_ns = 0
-        """How long it has been running."""
+        """Time since the clock was started."""
         self.asleep_ns = 0
-        """For how long the machine has slept; see `suspend`."""
+        """Time for which the machine has slept; see `suspend`."""
         self._last_ns = 0
         self._looks = 0
 
@@ -50,18 +50,18 @@ class ManualClock:
         return Time.as_stamp(self.now_ns())
 
     def now_ns(self) -> int:
-        """The date in nanoseconds since the Unix epoch."""
+        """Return the date in nanoseconds since the Unix epoch."""
         return self.date_ns + self.elapsed_ns + self.asleep_ns
 
     def suspended_ns(self) -> int:
-        """Return for how long the machine has slept."""
+        """Return the time for which the machine has slept."""
         return self.asleep_ns
 
     def monotonic_ns(self) -> int:
-        """Nanoseconds since the clock was started.
+        """Return the nanoseconds since the clock was started.
 
         Raises:
-            RuntimeError: It has been asked for ever without going on.
+            RuntimeError: Millions of readings, and time stands still.
         """
         now_ns = self.elapsed_ns
         if now_ns != self._last_ns:
@@ -75,25 +75,25 @@ class ManualClock:
         return now_ns
 
     def advance(self, seconds: float) -> None:
-        """Turns the clock. In a callback, that is how long the callback takes.
+        """Advance the clock. In a callback, this is the time that the callback takes.
 
         Raises:
-            ValueError: Time does not go back.
+            ValueError: The duration is negative.
         """
         if seconds < 0:
             raise ValueError(f"time cannot be turned back by {-seconds:g} s")
         self.elapsed_ns += round(seconds * _NS_PER_S)
 
     def suspend(self, seconds: float) -> None:
-        """Have the machine sleep, as a laptop does: only the date goes on."""
+        """Suspend the machine, as a laptop: only the date moves on."""
         self.asleep_ns += round(seconds * _NS_PER_S)
 
     def sleep(self, seconds: float) -> None:
-        """Moves on by that long."""
+        """Advance the clock by that duration."""
         self.advance(seconds)
 
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
-        """A function that moves on by so many seconds, unless the lock can be taken."""
+        """Return a function that advances by some seconds, unless the lock can be taken."""
 
         def wait(timeout_s: float) -> bool:
             if wakeup.acquire(blocking=False):

@@ -1,4 +1,4 @@
-"""Faults of a device, when a test wants them: for what is built on `rosbase.device`."""
+"""Fault injection for devices of `rosbase.device`."""
 
 import select
 from collections import deque
@@ -11,38 +11,38 @@ __all__ = ["Faults"]
 
 
 class Faults:
-    """Says what goes wrong with the devices that an `OpenDevice` opens.
+    """Faults of the devices that an `OpenDevice` opens.
 
-    A `DeviceTransport` is made with `faults.open` in place of what is given here. Everything may
-    be set from any thread, before the device is opened or while it is read. Needs Linux.
+    Make a `DeviceTransport` with `faults.open` in place of your own `OpenDevice`. Any thread may
+    set the faults, before the device is opened or while it is read. Needs Linux.
     """
 
     def __init__(self, open_device: OpenDevice) -> None:
-        """Nothing goes wrong yet."""
+        """Start without faults."""
         self.refusal: TransportError | None = None
-        """What opening raises, if anything."""
+        """Exception that opening raises, if any."""
         self.most_bytes: int | None = None
-        """How much a read gives at most; what is left comes with the next."""
+        """Maximum number of bytes of a read; the rest comes with the next read."""
         self._open_device = open_device
         self._device: _FaultyDevice | None = None
 
     def open(self) -> Device:
-        """Opens a device that goes wrong as it is told to; an `OpenDevice`."""
+        """Open a device with these faults; an `OpenDevice`."""
         if self.refusal is not None:
             raise self.refusal
         self._device = _FaultyDevice(self._open_device(), self)
         return self._device
 
     def lose(self, why: str = "the test has pulled the plug") -> None:
-        """The device that is open is lost, at its next read, which comes at once."""
+        """Lose the open device at its next read, which comes at once."""
         self._fail(TransportError(why))
 
     def raise_error(self, error: Exception) -> None:
-        """The next read raises that, as of a library with a fault."""
+        """Raise an exception at the next read, like a faulty library."""
         self._fail(error)
 
     def disturb(self, junk: bytes) -> None:
-        """The next read gives that, as from a line that is disturbed."""
+        """Return these bytes from the next read, as from a disturbed line."""
         if self._device is not None:
             self._device.add(junk)
 
@@ -52,7 +52,7 @@ class Faults:
 
 
 class _FaultyDevice:
-    """A device, and what is put between it and its reader."""
+    """Device with the faults between it and its reader."""
 
     def __init__(self, inner: Device, faults: Faults) -> None:
         self.name = inner.name
@@ -60,7 +60,7 @@ class _FaultyDevice:
         self._faults = faults
         self._pending: deque[bytes | Exception] = deque()
         self._wakeup = WakePipe()
-        # One descriptor that can be read when either the device or something pending can.
+        # This descriptor is readable when the device is, or when a fault is pending.
         self._either = select.epoll()
         self._either.register(inner.fileno(), select.EPOLLIN)
         self._either.register(self._wakeup.fileno(), select.EPOLLIN)

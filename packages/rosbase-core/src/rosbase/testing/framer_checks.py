@@ -1,4 +1,4 @@
-"""Checks of a framer, each a plain function: for `FramerContract`, and for any other test."""
+"""Checks of a framer as plain functions, for `FramerContract` and other tests."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import TypeAlias
@@ -40,9 +40,9 @@ __all__ = [
 ]
 
 MakeFramer: TypeAlias = Callable[[], Framer]
-"""A new framer each time."""
+"""Return a new framer each time."""
 Encode: TypeAlias = Callable[[bytes], bytes]
-"""The bytes of one frame with that payload, delimiters included."""
+"""Return the bytes of one frame with that payload, delimiters included."""
 
 _MOST_REASONS = 20
 _LONGEST_BYTES = 70_000
@@ -52,7 +52,7 @@ _MOST_SHOWN = 10
 def check_frames_come_out_as_they_went_in(
     make_framer: MakeFramer, encode: Encode, payloads: Sequence[bytes]
 ) -> None:
-    """Raises BrokenPromiseError if payloads do not come out as frames, as they were."""
+    """Raise BrokenPromiseError if payloads do not come out as unaltered frames."""
     events = make_framer().feed(b"".join(map(encode, payloads)), 0)
     came = _frames(events)
     UNALTERED.require(came == list(payloads), f"{_shown(payloads)} came out as {_shown(came)}")
@@ -62,7 +62,7 @@ def check_frames_come_out_as_they_went_in(
 
 
 def check_chunking_does_not_matter(make_framer: MakeFramer, chunks: Sequence[bytes]) -> None:
-    """Raises BrokenPromiseError if chunks give something else than all of them in one piece."""
+    """Raise BrokenPromiseError if chunks give other events than the same bytes in one piece."""
     whole = _outcome(make_framer(), [b"".join(chunks)])
     cut = _outcome(make_framer(), chunks)
     CHUNKING.require(cut == whole, f"in one piece {whole}; cut into {list(chunks)}: {cut}")
@@ -75,9 +75,9 @@ def check_junk_spoils_few_frames(
     payloads: Sequence[bytes],
     most_lost: int = 1,
 ) -> None:
-    """Raises BrokenPromiseError if more than `most_lost` frames after junk are not whole.
+    """Raise BrokenPromiseError if more than `most_lost` frames after junk are incomplete.
 
-    Frames may come late: one that was cut short may announce more bytes than are left of it.
+    Frames may come late: a truncated frame may announce more bytes than it has.
     """
     framer = make_framer()
     came = _frames(framer.feed(junk + b"".join(map(encode, payloads)), 0))
@@ -91,7 +91,7 @@ def check_junk_spoils_few_frames(
 
 
 def check_any_bytes_may_come(make_framer: MakeFramer, chunks: Iterable[bytes]) -> None:
-    """Raises BrokenPromiseError if the framer raises, or gives what is no event."""
+    """Raise BrokenPromiseError if the framer raises, or returns a value that is no event."""
     framer = make_framer()
     for chunk in chunks:
         try:
@@ -105,7 +105,7 @@ def check_any_bytes_may_come(make_framer: MakeFramer, chunks: Iterable[bytes]) -
 def check_memory_is_bounded(
     make_framer: MakeFramer, endless: bytes, *, limit_bytes: int, fed_bytes: int
 ) -> None:
-    """Raises BrokenPromiseError if it keeps more than the limit of so much without an end."""
+    """Raise BrokenPromiseError if it keeps more than the limit of bytes without an end."""
     framer = make_framer()
     with memory_growth() as growth:
         for _ in range(fed_bytes // len(endless)):
@@ -117,12 +117,12 @@ def check_memory_is_bounded(
 def check_memory_is_bounded_while_frames_come(
     make_framer: MakeFramer, encode: Encode, payload: bytes, *, limit_bytes: int, fed_bytes: int
 ) -> None:
-    """Raises BrokenPromiseError if it keeps frames that have come out."""
+    """Raise BrokenPromiseError if it keeps frames that have come out."""
     framer, encoded = make_framer(), encode(payload)
     several = encoded * (1 + 1_000 // len(encoded))
     with memory_growth() as growth:
         for _ in range(fed_bytes // len(several)):
-            # A copy: what piles up as one object costs nothing.
+            # A copy, because the same object costs nothing when it piles up.
             framer.feed(bytes(bytearray(several)), 0)
         grown = growth()
     MEMORY.require(grown < limit_bytes, f"{grown} bytes more after {fed_bytes} in frames")
@@ -131,7 +131,7 @@ def check_memory_is_bounded_while_frames_come(
 def check_what_is_too_long_is_an_error(
     make_framer: MakeFramer, encode: Encode, endless: bytes, payload: bytes, most_lost: int = 1
 ) -> None:
-    """Raises BrokenPromiseError if so much without an end leaves no FrameError."""
+    """Raise BrokenPromiseError if so many bytes without an end give no FrameError."""
     framer = make_framer()
     events = framer.feed(endless, 0) + framer.feed(encode(payload) * (most_lost + 1), 0)
     has_error = any(isinstance(event, FrameError) for event in events)
@@ -141,7 +141,7 @@ def check_what_is_too_long_is_an_error(
 def check_stamp_is_that_of_the_first_bytes(
     make_framer: MakeFramer, encode: Encode, payload: bytes
 ) -> None:
-    """Raises BrokenPromiseError if a frame that is fed in three pieces has another stamp."""
+    """Raise BrokenPromiseError if a frame fed in three pieces lacks the stamp of the first."""
     framer = make_framer()
     encoded = encode(payload)
     third = len(encoded) // 3
@@ -155,7 +155,7 @@ def check_stamp_is_that_of_the_first_bytes(
 def check_stamp_after_junk(
     make_framer: MakeFramer, encode: Encode, junk: bytes, payload: bytes, most_lost: int = 1
 ) -> None:
-    """Raises BrokenPromiseError if a frame after junk has an earlier stamp than its own."""
+    """Raise BrokenPromiseError if a frame after junk has an earlier stamp than its own."""
     framer = make_framer()
     framer.feed(junk, 100)
     framer.feed(encode(payload) * most_lost, 200)
@@ -168,7 +168,7 @@ def check_stamp_after_junk(
 
 
 def check_stamps_never_go_back(make_framer: MakeFramer, chunks: Sequence[bytes]) -> None:
-    """Raises BrokenPromiseError if events of chunks fed one after the other go back in time."""
+    """Raise BrokenPromiseError if the stamps of consecutive events go back in time."""
     framer = make_framer()
     fed = ((chunk, number * 100) for number, chunk in enumerate(chunks, start=1))
     stamps = [event.stamp_ns for chunk, now_ns in fed for event in framer.feed(chunk, now_ns)]
@@ -178,13 +178,13 @@ def check_stamps_never_go_back(make_framer: MakeFramer, chunks: Sequence[bytes])
 def check_reset_forgets_a_begun_frame(
     make_framer: MakeFramer, encode: Encode, begun: bytes, payload: bytes
 ) -> None:
-    """Raises BrokenPromiseError if, after reset, what was begun is continued.
+    """Raise BrokenPromiseError if an incomplete frame is continued after reset.
 
     Args:
-        make_framer: Makes one.
+        make_framer: Makes a framer.
         encode: Encodes a payload.
-        begun: What has been fed before reset: a part of a frame, or what never ends one.
-        payload: What comes after it.
+        begun: The bytes fed before reset: a part of a frame, or bytes that never end one.
+        payload: The payload fed after reset.
     """
     framer = make_framer()
     framer.feed(begun, 100)
@@ -208,7 +208,7 @@ def check_pending_bytes(
     framer.feed(endless, 0)
     if not hasattr(framer, "pending_bytes"):
         return False
-    # What is given up as too long may count as an end.
+    # A frame given up as too long may count as an end.
     require(1, len(endless), f"after {len(endless)} bytes that never end a frame")
     framer.reset()
     require(0, 0, "after reset")
@@ -222,7 +222,7 @@ def check_pending_bytes(
 
 
 def check_error_reasons(make_framer: MakeFramer, chunks: Iterable[bytes]) -> None:
-    """Raises BrokenPromiseError if an error has no reason, one of several words, or ever new."""
+    """Raise BrokenPromiseError if a reason is empty, has several words, or is always new."""
     framer = make_framer()
     events = [event for chunk in chunks for event in framer.feed(chunk, 0)]
     reasons = {event.reason for event in events if isinstance(event, FrameError)}
@@ -234,7 +234,7 @@ def check_error_reasons(make_framer: MakeFramer, chunks: Iterable[bytes]) -> Non
 def check_two_framers_share_nothing(
     make_framer: MakeFramer, encode: Encode, begun: bytes, payload: bytes
 ) -> None:
-    """Raises BrokenPromiseError if a frame begun in one framer shows in another."""
+    """Raise BrokenPromiseError if a frame begun in one framer shows in another."""
     one, other = make_framer(), make_framer()
     encoded = encode(begun)
     half = len(encoded) // 2
@@ -248,7 +248,7 @@ def check_two_framers_share_nothing(
 def _flush(
     framer: Framer, encode: Encode, payload: bytes, stamp_ns: int
 ) -> tuple[list[FrameEvent], int]:
-    """Feeds so many frames that whatever was begun is over; gives what comes, and how many."""
+    """Feed enough frames to end anything begun; return the events and the number of frames."""
     encoded = encode(payload)
     count = 1 + _LONGEST_BYTES // len(encoded)
     return framer.feed(encoded * count, stamp_ns), count

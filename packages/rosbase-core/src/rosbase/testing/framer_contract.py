@@ -1,4 +1,4 @@
-"""The conformance kit for framers: subclass `FramerContract` in a test."""
+"""Conformance kit for framers: subclass `FramerContract` in a test."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -34,7 +34,7 @@ _TIMES = 30
 
 
 def _check(promise: Promise) -> Callable[[Callable[[Any], None]], Callable[[Any], None]]:
-    """Makes a test that names the promise, whatever goes wrong."""
+    """Return a decorator that makes a test whose every failure names the promise."""
 
     def decorate(method: Callable[[Any], None]) -> Callable[[Any], None]:
         def run(self: Any) -> None:
@@ -57,7 +57,7 @@ def _check(promise: Promise) -> Callable[[Callable[[Any], None]], Callable[[Any]
 
 
 class _Guarded:
-    """A framer of which what `feed` gives is looked at."""
+    """Framer whose return values of `feed` are checked."""
 
     def __init__(self, framer: Framer) -> None:
         self._framer = framer
@@ -73,35 +73,35 @@ class _Guarded:
 
 
 class FramerContract:
-    """Every promise of a framer, one test each.
+    """All promises of a framer, one test each.
 
-    Must say: `make_framer` and `encode`. May say: `payloads`, `junk` and the limits. The checks are
-    not to be overridden.
+    Must define: `make_framer` and `encode`. May define: `payloads`, `junk` and the limits. Do not
+    override the checks.
     """
 
     frames_lost_after_junk: ClassVar[int] = 1
-    """How many frames at most are lost or spoiled after junk."""
+    """Maximum number of frames lost or damaged after junk."""
     endless: ClassVar[bytes] = b"x" * 1_000
-    """What comes again and again and never ends a frame."""
+    """Bytes that are repeated and never end a frame."""
     memory_limit_bytes: ClassVar[int] = 200_000
-    """How much a framer may keep while ten times as much comes."""
+    """Maximum memory of a framer, in bytes, while ten times as much is fed."""
     examples: ClassVar[int] = 100
-    """How many cases hypothesis tries for each promise."""
+    """Number of cases that hypothesis tries for each promise."""
 
     def make_framer(self) -> Framer:
-        """A new framer."""
+        """Return a new framer."""
         raise NotImplementedError
 
     def encode(self, payload: bytes) -> bytes:
-        """The bytes of one frame with that payload, delimiters included."""
+        """Return the bytes of one frame with that payload, delimiters included."""
         raise NotImplementedError
 
     def payloads(self) -> st.SearchStrategy[bytes]:
-        """What a frame can carry; by default text without line breaks."""
+        """Return a strategy for payloads; by default text without line breaks."""
         return strategies.payloads()
 
     def junk(self) -> st.SearchStrategy[bytes]:
-        """What may come between frames, beside frames that are cut short."""
+        """Return a strategy for bytes between frames, in addition to truncated frames."""
         return strategies.junk()
 
     @_check(FRAMER)
@@ -131,7 +131,7 @@ class FramerContract:
 
     @_check(JUNK)
     def test_junk_spoils_few_frames(self) -> None:
-        # With fewer of them there is nothing to be seen: none lost, or no two made one.
+        # Fewer frames show nothing: none is lost, and no two are merged.
         several = self._several(self.frames_lost_after_junk + 2)
         self._try(
             st.tuples(self._disturbances(), several),
@@ -153,7 +153,7 @@ class FramerContract:
         framer_checks.check_memory_is_bounded(
             self._make, self.endless, limit_bytes=limit, fed_bytes=10 * limit
         )
-        # A frame that is kept takes more than its bytes.
+        # A kept frame takes more memory than its bytes.
         framer_checks.check_memory_is_bounded_while_frames_come(
             self._make, self._encode, self._payload(), limit_bytes=limit, fed_bytes=2 * limit
         )
@@ -238,7 +238,7 @@ class FramerContract:
         return self.endless * (self.memory_limit_bytes // len(self.endless))
 
     def _payload(self) -> bytes:
-        """A payload; which one is of no account."""
+        """Return a payload; any payload will do."""
         found: list[bytes] = []
         self._try(self.payloads(), found.append, examples=1)
         return found[0]
@@ -247,7 +247,7 @@ class FramerContract:
         return st.lists(self.payloads(), min_size=least, max_size=least + _MORE_PAYLOADS)
 
     def _begun(self) -> st.SearchStrategy[bytes]:
-        """Frames that are cut short."""
+        """Return truncated frames."""
         encoded = self.payloads().map(self._encode)
         return encoded.flatmap(
             lambda whole: st.integers(0, len(whole) - 1).map(lambda end: whole[:end])
@@ -289,7 +289,7 @@ class FramerContract:
             max_examples=examples or self.examples,
             deadline=None,
             database=None,
-            # What varies beside a failure is no help: the broken promise says what was seen.
+            # Variations of a failure do not help: the broken promise says what the check saw.
             phases=[Phase.explicit, Phase.generate, Phase.shrink],
             report_multiple_bugs=False,
             suppress_health_check=list(HealthCheck),

@@ -1,4 +1,4 @@
-"""What a framer promises."""
+"""Promises of a framer."""
 
 from rosbase.testing.promise import Promise
 

@@ -1,4 +1,4 @@
-"""What a contract promises, and the failure that names the promise and the page about it."""
+"""Promises of a contract, and the failure that names a promise and its page."""
 
 from attrs import frozen
 
@@ -6,35 +6,35 @@ __all__ = ["BrokenPromiseError", "Promise"]
 
 
 class BrokenPromiseError(AssertionError):
-    """An implementation does not do what its contract says."""
+    """An implementation breaks its contract."""
 
 
 @frozen
 class Promise:
-    """One sentence of a contract, which a check of the kit holds an implementation to."""
+    """One sentence of a contract, checked by the kit."""
 
     name: str
-    """Words with hyphens, such as `stop-is-bounded`; also its place on the page."""
+    """Words with hyphens, such as `stop-is-bounded`; also the anchor on the page."""
     sentence: str
-    """What is promised, as a statement."""
+    """The promise, as a statement."""
     page: str
-    """The page of the documentation that says more, such as `plugins/transport-contract`."""
+    """Page of the documentation about it, such as `plugins/transport-contract`."""
 
     def require(self, holds: object, seen: str) -> None:
-        """Fails, unless it holds.
+        """Fail unless the promise holds.
 
         Args:
-            holds: Whether it does.
-            seen: What happened instead, with figures.
+            holds: Whether the promise holds.
+            seen: The event that happened instead, with figures.
 
         Raises:
-            BrokenPromiseError: It does not hold.
+            BrokenPromiseError: The promise does not hold.
         """
         if not holds:
             raise self.broken(seen)
 
     def broken(self, seen: str) -> BrokenPromiseError:
-        """The failure that says so."""
+        """Return the failure that names the promise."""
         return BrokenPromiseError(
             f"broken promise: {self.name}\n"
             f"  promised: {self.sentence}\n"

@@ -1,4 +1,4 @@
-"""For pytest, which loads it by itself: a broken promise is shown as its four lines."""
+"""pytest plugin, loaded automatically: show a broken promise as its four lines."""
 
 from collections.abc import Generator
 from typing import Any
@@ -16,9 +16,9 @@ def pytest_runtest_makereport(
     item: pytest.Item,
     call: "pytest.CallInfo[None]",
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Leaves out the kit's own code, which the author of a plugin cannot mend.
+    """Omit the kit's own code, which the author of a plugin cannot fix.
 
-    An error that a check did not expect breaks its promise too, and keeps its traceback.
+    An unexpected error breaks the promise of the check too, and keeps its traceback.
     """
     report = yield
     error: Any = call.excinfo.value if call.excinfo is not None else None

@@ -1,4 +1,4 @@
-"""What somebody logs, kept for a test."""
+"""Log records kept for a test."""
 
 import logging
 
@@ -6,10 +6,10 @@ __all__ = ["RecordedLog"]
 
 
 class RecordedLog(logging.Handler):
-    """Listens to the loggers of one name until it is closed, at every level."""
+    """Records of the loggers of one name, at every level, until it is closed."""
 
     def __init__(self, name: str) -> None:
-        """Begins to listen to `rosbase.<name>`, the logger of `RosbaseLogger(name)`."""
+        """Listen to `rosbase.<name>`, the logger of `RosbaseLogger(name)`."""
         super().__init__()
         self.records: list[logging.LogRecord] = []
         self._logger = logging.getLogger(f"rosbase.{name}")
@@ -18,16 +18,16 @@ class RecordedLog(logging.Handler):
         self._logger.addHandler(self)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keeps a record."""
+        """Keep a record."""
         self.records.append(record)
 
     @property
     def lines(self) -> list[str]:
-        """The messages so far."""
+        """Messages so far."""
         return [record.getMessage() for record in self.records]
 
     def tells_of(self, error: BaseException) -> bool:
-        """Whether that exception has been logged as an error, in words or with its traceback."""
+        """Return whether the exception was logged as an error, in words or with a traceback."""
         return any(
             record.levelno >= logging.ERROR
             and (repr(error) in record.getMessage() or error in (record.exc_info or ()))
@@ -35,7 +35,7 @@ class RecordedLog(logging.Handler):
         )
 
     def close(self) -> None:
-        """Stops listening."""
+        """Stop listening."""
         self._logger.removeHandler(self)
         self._logger.setLevel(self._level_before)
         super().close()

@@ -1,4 +1,4 @@
-"""A subscriber that keeps what it is given."""
+"""Subscriber that records frames."""
 
 import threading
 from typing import NamedTuple
@@ -10,30 +10,30 @@ __all__ = ["Received", "RecordingSubscriber"]
 
 
 class Received(NamedTuple):
-    """A frame, and how it came."""
+    """Frame with its stamp, arrival time and thread."""
 
     frame: bytes
     stamp_ns: int
-    """As the transport has stamped it."""
+    """Stamp from the transport."""
     arrived_ns: int
-    """When it was handed over, on the subscriber's clock."""
+    """Time of the delivery, on the subscriber's clock."""
     thread: threading.Thread
-    """The one that handed it over."""
+    """Thread that delivered it."""
 
 
 class RecordingSubscriber:
-    """An `on_frame` for tests: keeps every frame with its stamp, and waits for them with a limit.
+    """`on_frame` for tests: records every frame with its stamp, and waits with a timeout.
 
-    It may be called from any thread.
+    Any thread may call it.
     """
 
     def __init__(self, clock: Clock | None = None, then: OnFrame | None = None) -> None:
-        """Has received nothing yet.
+        """Start without frames.
 
         Args:
-            clock: Dates the arrivals; the system's by default.
-            then: Called after a frame has been kept, with the same arguments, for whatever else
-                the subscriber is to do, such as raise. What it returns is the answer.
+            clock: Dates the arrivals; the system's clock by default.
+            then: Called after a frame has been recorded, with the same arguments, for further
+                actions of the subscriber, such as raising. Its return value is the answer.
         """
         self._clock = clock or SystemClock()
         self._then = then
@@ -41,7 +41,7 @@ class RecordingSubscriber:
         self._has_changed = threading.Condition()
 
     def __call__(self, frame: bytes, stamp_ns: int) -> bool | None:
-        """Keep a frame; answer as `then` does, or None."""
+        """Record a frame; return the answer of `then`, or None."""
         received = Received(frame, stamp_ns, self._clock.now_ns(), threading.current_thread())
         with self._has_changed:
             self._received.append(received)
@@ -50,22 +50,22 @@ class RecordingSubscriber:
 
     @property
     def received(self) -> list[Received]:
-        """Everything so far, in the order of its arrival."""
+        """Arrivals so far, in order."""
         with self._has_changed:
             return list(self._received)
 
     @property
     def frames(self) -> list[bytes]:
-        """The frames so far, in the order of their arrival."""
+        """Frames so far, in the order of their arrival."""
         return [received.frame for received in self.received]
 
     def wait_for(self, count: int, timeout_s: float = 5.0) -> bool:
-        """Waits for so many frames in all; tells whether they came in time."""
+        """Wait for a total number of frames; return whether they came in time."""
         with self._has_changed:
             return self._has_changed.wait_for(lambda: len(self._received) >= count, timeout_s)
 
     def wait_for_frame(self, frame: bytes, timeout_s: float = 5.0) -> bool:
-        """Waits until that very frame has come; tells whether it came in time."""
+        """Wait for the given frame; return whether it came in time."""
         with self._has_changed:
             return self._has_changed.wait_for(
                 lambda: any(received.frame == frame for received in reversed(self._received)),
@@ -73,6 +73,6 @@ class RecordingSubscriber:
             )
 
     def clear(self) -> None:
-        """Forgets everything so far."""
+        """Forget all frames so far."""
         with self._has_changed:
             self._received.clear()

@@ -1,4 +1,4 @@
-"""What a process holds: threads, descriptors, memory."""
+"""Resources of a process: threads, descriptors, memory."""
 
 import os
 import threading
@@ -13,18 +13,18 @@ _LISTINGS = (Path("/proc/self/fd"), Path("/dev/fd"))
 
 
 def threads() -> set[threading.Thread]:
-    """Those that run, without the kit's own."""
+    """Return the running threads, without those of the kit."""
     return {t for t in threading.enumerate() if not t.name.startswith("rosbase-kit")}
 
 
 def cpu_s() -> float:
-    """How many seconds of a processor this process has used so far."""
+    """Return the processor time of this process so far, in seconds."""
     used = os.times()
     return used.user + used.system
 
 
 def descriptors() -> int:
-    """How many are open; 0 where the system does not tell."""
+    """Return the number of open descriptors; 0 if the system does not tell."""
     for listing in _LISTINGS:
         if listing.exists():
             return len(os.listdir(listing))
@@ -33,7 +33,7 @@ def descriptors() -> int:
 
 @contextmanager
 def memory_growth() -> Iterator[Callable[[], int]]:
-    """Gives a function that tells by how many bytes Python's memory has grown since."""
+    """Return a function that gives the growth of Python's memory since then, in bytes."""
     was_tracing = tracemalloc.is_tracing()
     tracemalloc.start()
     before, _ = tracemalloc.get_traced_memory()

@@ -1,4 +1,4 @@
-"""A transport whose device is the test."""
+"""Transport that the test controls."""
 
 from collections.abc import Mapping
 
@@ -16,61 +16,61 @@ __all__ = ["ScriptedTransport"]
 
 
 class ScriptedTransport(Transport):
-    """Hands over what the test gives it, on the test's thread, and notes the calls.
+    """Transport that delivers the frames of a test, on the test's thread, and records the calls.
 
-    A plugin for a test makes it of the same arguments as any transport.
+    The plugin of a test makes it with the same arguments as any transport.
     """
 
     def __init__(self, values: Mapping[str, ParameterValue], context: TransportContext) -> None:
-        """Is closed."""
+        """Start closed."""
         self.values = values
-        """The parameters that it was made with."""
+        """Parameters that it was made with."""
         self.context = context
         self.calls: list[str] = []
-        """The names of the four calls, in their order."""
+        """Names of the four calls, in their order."""
         self.failure: TransportError | None = None
-        """What `open` raises, if anything."""
+        """Exception that `open` raises, if any."""
         self.frame_errors: dict[str, int] = {}
-        """What health is to report."""
+        """Frame errors in health."""
         self.state = TransportState.CLOSED
-        """What health is to report; `open` and `close` set it."""
+        """State in health; `open` and `close` set it."""
         self.last_data_ns: int | None = None
-        """What health is to report; `deliver` sets it."""
+        """Time of the last data in health; `deliver` sets it."""
         self.pending_bytes = 0
-        """What health is to report."""
+        """Pending bytes in health."""
         self._on_frame: OnFrame | None = None
 
     def open(self) -> None:
-        """Is open from now on, or fails."""
+        """Open the transport, or fail."""
         self.calls.append("open")
         if self.failure is not None:
             raise self.failure
         self.state = TransportState.CONNECTED
 
     def start(self, on_frame: OnFrame) -> None:
-        """Hands over from now on."""
+        """Start to deliver frames."""
         self.calls.append("start")
         self._on_frame = on_frame
 
     def stop(self) -> None:
-        """Hands over no more."""
+        """Stop delivering frames."""
         self.calls.append("stop")
         self._on_frame = None
 
     def close(self) -> None:
-        """Is closed from now on."""
+        """Close the transport."""
         self.calls.append("close")
         self._on_frame = None
         self.state = TransportState.CLOSED
 
     @property
     def is_open(self) -> bool:
-        """Whether its state says so."""
+        """Whether the state is CONNECTED."""
         return self.state is TransportState.CONNECTED
 
     @property
     def health(self) -> TransportHealth:
-        """What the test has set."""
+        """Health with the values that the test has set."""
         return TransportHealth(
             state=self.state,
             frame_errors=self.frame_errors,
@@ -80,10 +80,10 @@ class ScriptedTransport(Transport):
         )
 
     def deliver(self, frame: bytes, stamp_ns: int = 0) -> bool | None:
-        """Hand one frame over; return the answer of `on_frame`.
+        """Deliver one frame; return the answer of `on_frame`.
 
         Raises:
-            RuntimeError: It has not been started.
+            RuntimeError: The transport has not been started.
         """
         if self._on_frame is None:
             raise RuntimeError("the transport has not been started")

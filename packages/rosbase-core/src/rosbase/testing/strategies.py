@@ -1,4 +1,4 @@
-"""Strategies for hypothesis: what devices send, well and badly."""
+"""Strategies for hypothesis: valid and invalid data of devices."""
 
 import json
 from itertools import pairwise
@@ -13,7 +13,7 @@ _VECTORS = st.fixed_dictionaries(dict.fromkeys("xyz", _NUMBERS))
 
 
 def imu_samples() -> st.SearchStrategy[bytes]:
-    """Samples of an IMU as the default mapping reads them: JSON, on one line."""
+    """Return a strategy for IMU samples for the default mapping: JSON, on one line."""
     samples = st.fixed_dictionaries(
         {"angular_velocity": _VECTORS, "linear_acceleration": _VECTORS},
         optional={"header": st.fixed_dictionaries({"stamp": _stamps()})},
@@ -22,7 +22,7 @@ def imu_samples() -> st.SearchStrategy[bytes]:
 
 
 def payloads(max_size: int = _LONGEST_SAMPLE) -> st.SearchStrategy[bytes]:
-    """What fits on a line: any text without line breaks, and without blanks around it."""
+    """Return a strategy for lines: text without line breaks and without outer blanks."""
     texts = st.text(
         st.characters(exclude_categories=["Cc", "Cs", "Zs", "Zl", "Zp"]),
         min_size=1,
@@ -33,20 +33,20 @@ def payloads(max_size: int = _LONGEST_SAMPLE) -> st.SearchStrategy[bytes]:
 
 
 def junk(max_size: int = 100) -> st.SearchStrategy[bytes]:
-    """What a line that is disturbed, or a device that boots, may send."""
+    """Return a strategy for the data of a disturbed line or of a device that boots."""
     pieces = st.sampled_from([b"\r", b"\n", b"\x00", b" ", b"\xff", b"{", b'"', b"ets Jul 29 2019"])
     return st.lists(pieces | st.binary(max_size=8), max_size=max_size // 8).map(b"".join)
 
 
 def streams(frames: st.SearchStrategy[bytes]) -> st.SearchStrategy[bytes]:
-    """Encoded frames with junk, and with parts of frames, between them."""
+    """Return a strategy for encoded frames with junk and parts of frames between them."""
     parts = frames.flatmap(lambda frame: st.integers(0, len(frame)).map(lambda n: frame[:n]))
     return st.lists(frames | parts | junk(), max_size=8).map(b"".join)
 
 
 @st.composite
 def chunkings(draw: st.DrawFn, data: bytes) -> list[bytes]:
-    """The same bytes, cut anywhere."""
+    """Return a strategy for the same bytes, cut anywhere."""
     cuts = draw(st.lists(st.integers(0, len(data)), max_size=20))
     edges = [0, *sorted(cuts), len(data)]
     return [data[start:end] for start, end in pairwise(edges)]

@@ -1,4 +1,4 @@
-"""The conformance kit for transports: subclass `TransportContract` in a test."""
+"""Conformance kit for transports: subclass `TransportContract` in a test."""
 
 from rosbase.testing.transport_kit.bounds import BoundChecks
 from rosbase.testing.transport_kit.calls import CallChecks
@@ -24,9 +24,9 @@ class TransportContract(
     BoundChecks,
     CallChecks,
 ):
-    """Every promise of a transport, one test each.
+    """All promises of a transport, one test each.
 
-    The author says how to make a transport and a peer, and what the two can do; see
+    You define how to make a transport and a peer, and their capabilities; see
     `TransportAuthor`. pytest runs the rest:
 
     ```

@@ -1,1 +1,1 @@
-"""The parts of `rosbase.testing.backend_contract`, by what they check."""
+"""Parts of `rosbase.testing.backend_contract`, by subject."""

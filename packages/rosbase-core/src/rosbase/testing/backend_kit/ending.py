@@ -1,4 +1,4 @@
-"""Checks of what ends: by being destroyed, or with its backend."""
+"""Checks of objects that end: destroyed, or closed with their backend."""
 
 import threading
 from typing import Any
@@ -19,7 +19,7 @@ _SAMPLE: Any = (0, (0.0, 0.0, 0.0, 1.0), (0.0,) * 3, (0.0,) * 3)
 
 
 class EndingChecks(BackendRig):
-    """Nothing is called back, nothing is lost, and nothing is left."""
+    """Checks of destroy and close: no more callbacks, no loss, no leaks."""
 
     def test_destroyed_subscriptions_are_silent(self) -> None:
         promised, backend = promise("destroyed-subscriptions-are-silent"), self.open()
@@ -116,7 +116,7 @@ class EndingChecks(BackendRig):
             self.connect(promised, talker, listener)
             backend.close()
 
-        # What is opened once, and kept for the whole process, is no backend's.
+        # A descriptor opened once for the whole process belongs to no backend.
         live()
         before = descriptors()
         for _ in range(_LIVES):
@@ -178,7 +178,7 @@ class EndingChecks(BackendRig):
 
 
 def _create(backend: Backend, topic: str) -> tuple[Any, Any, Any]:
-    """One of each that can be destroyed."""
+    """Return one of each object that can be destroyed."""
     return (
         backend.create_publisher(String, topic, 1),
         backend.create_subscription(String, topic, print, 1),

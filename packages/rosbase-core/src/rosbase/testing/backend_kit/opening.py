@@ -1,4 +1,4 @@
-"""Checks of a backend that has just been opened."""
+"""Checks of a new backend."""
 
 import logging
 from functools import partial
@@ -20,7 +20,7 @@ _RECORDS = [(20, "ready"), (40, "a\0b \ud800 ä"), (1, "least"), (25, "odd"), (4
 
 
 class OpeningChecks(BackendRig):
-    """What a backend is, before anything is created."""
+    """Checks of a backend before anything is created."""
 
     def test_opens(self) -> None:
         promised = promise("opens")

@@ -1,4 +1,4 @@
-"""What a program says meanwhile: its log, and whatever anybody in the process writes to stderr."""
+"""Output of a program during a check: its log, and all writes of the process to stderr."""
 
 import logging
 import os
@@ -11,7 +11,7 @@ __all__ = ["overhearing"]
 
 
 class _Keeper(logging.Handler):
-    """Keeps the texts of warnings."""
+    """Handler that keeps the texts of warnings."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -23,14 +23,14 @@ class _Keeper(logging.Handler):
 
 @contextmanager
 def overhearing() -> Iterator[Callable[[], str]]:
-    """Gives a function that tells what has been said within the block.
+    """Yield a function that returns the output within the block.
 
-    That of libraries in C too, which write to the descriptor. Nothing of it is on stderr then.
+    It includes the output of C libraries, which write to the descriptor. None of it is on stderr.
     """
     keeper, logger = _Keeper(), logging.getLogger()
     sys.stderr.flush()
     real = os.dup(2)
-    # Whoever reads it, what is written goes to the end.
+    # Writes always go to the end, also after reads.
     with TemporaryFile("a+", errors="replace") as file, redirect_stderr(file):
         os.dup2(file.fileno(), 2)
         logger.addHandler(keeper)

@@ -32,7 +32,7 @@ _SPECS = [
     ParameterSpec("octets", [b"a", b"b"]),
     ParameterSpec("no_octets", [], kind=ParameterKind.BYTE_ARRAY),
 ]
-# What is set, and what becomes of it.
+# Each value that is set, and the result.
 _OVERRIDES: dict[str, tuple[ParameterValue, ParameterValue]] = {
     "flag": (False, False),
     "count": (3, 3),
@@ -67,7 +67,7 @@ _WRONG: dict[str, ParameterValue] = {
 
 
 class ParameterChecks(BackendRig):
-    """Declared once, of one kind, and set from outside."""
+    """Checks of declared parameters, and of values set from outside."""
 
     def test_parameters_keep_their_kind(self) -> None:
         promised, backend = promise("parameters-keep-their-kind"), self.open()

@@ -1,4 +1,4 @@
-"""What a backend promises, one sentence for each check of the kit.
+"""Promises of a backend, one sentence for each check of the kit.
 
 The check of `names-are-full` is the method `test_names_are_full`, and so on.
 """
@@ -178,4 +178,4 @@ PROMISES = {name: Promise(name, sentence, _PAGE) for name, sentence in _SENTENCE
 """Every promise by its name, in the order of the page."""
 
 promise = PROMISES.__getitem__
-"""The promise of that name."""
+"""Function that returns the promise of a name."""

@@ -1,4 +1,4 @@
-"""Checks of quality of service: what is kept, for whom, and who hears whom."""
+"""Checks of quality of service: kept messages, and matching of offers and requests."""
 
 import threading
 from functools import partial
@@ -29,7 +29,7 @@ def _latched(depth: int = 10, **policies: Any) -> QoSProfile:
     return QoSProfile(depth, durability=DurabilityPolicy.TRANSIENT_LOCAL, **policies)
 
 
-# What is offered, what is asked for: each too little.
+# Offered and requested profiles: each offer is too weak.
 _WEAK = {
     "BEST_EFFORT": (_BEST_EFFORT, QoSProfile()),
     "VOLATILE": (QoSProfile(), _latched()),
@@ -37,7 +37,7 @@ _WEAK = {
 
 
 class QualityChecks(BackendRig):
-    """Depth, history, durability, and profiles that do not match."""
+    """Checks of depth, history, durability, and profiles that do not match."""
 
     def test_depth_drops_the_oldest(self) -> None:
         promised, backend = promise("depth-drops-the-oldest"), self.open()
@@ -75,7 +75,7 @@ class QualityChecks(BackendRig):
 
         def send_one() -> None:
             before = len(heard)
-            # A text of its own each time: one that is kept many times costs nothing.
+            # A new text each time, because the same object costs nothing when kept many times.
             publisher.publish(String(chr(97 + before % 26) * _LONG))
             self.wait(
                 promised,
@@ -205,14 +205,14 @@ class QualityChecks(BackendRig):
             )
 
     def _flood(self, promised: Promise, talker: Talker, listener: Listener) -> int:
-        """Publishes until some were dropped; gives how many were published."""
+        """Publish until some were dropped; return the number of published messages."""
         before, sent = listener.subscription.dropped, 0
 
         def say_one() -> None:
             nonlocal sent
             talker.say(sent)
             sent += 1
-            # What is lost on the way to the process would not be counted.
+            # A message lost on the way to the process would not be counted.
             listener.backend.executor.clock.sleep(0.002)
 
         self.wait(

@@ -1,4 +1,4 @@
-"""What the checks of a backend stand on: backends to try, talkers, listeners, waits that end."""
+"""Fixtures for the checks of a backend: backends, talkers, listeners, bounded waits."""
 
 import os
 import threading
@@ -30,107 +30,107 @@ _marks = count(1)
 
 @frozen
 class BackendCapabilities:
-    """What not every backend can. The checks of what is not declared are skipped, and say so."""
+    """Optional capabilities of a backend. Checks of undeclared ones are skipped, and say so."""
 
     delivers_in_process: bool = False
-    """Messages get to this process's own subscriptions without leaving it."""
+    """Messages reach this process's own subscriptions without leaving the process."""
     several_per_process: bool = False
     """More than one backend can be open in a process, and they hear each other."""
     takes_a_clock: bool = False
-    """Its time is that of `BackendOptions.clock`, so that tests can run in virtual time."""
+    """It uses `BackendOptions.clock`, so that tests can run in virtual time."""
     has_log_handler: bool = False
-    """It has the log of its manager or lone node."""
+    """It receives the log of its manager or standalone node."""
 
 
 class Talker:
-    """A publisher of numbers."""
+    """Publisher of numbers."""
 
     def __init__(self, backend: Backend, topic: str, profile: int | QoSProfile) -> None:
         self.publisher = backend.create_publisher(Vector3, topic, profile)
 
     def say(self, *numbers: int) -> None:
-        """Publishes a message for each."""
+        """Publish a message for each number."""
         for number in numbers:
             self.publisher.publish(Vector3(x=float(number)))
 
     def mark(self) -> int:
-        """Publishes a number that is not counted; gives it."""
+        """Publish a number that is not counted, and return it."""
         mark = -next(_marks)
         self.say(mark)
         return mark
 
 
 class Listener:
-    """A subscription to numbers."""
+    """Subscription to numbers."""
 
     def __init__(self, backend: Backend, topic: str, profile: int | QoSProfile) -> None:
         self.backend = backend
         self.heard: list[int] = []
-        """All of them, marks included."""
+        """All received numbers, marks included."""
         self.subscription = backend.create_subscription(Vector3, topic, self._hear, profile)
 
     @property
     def numbers(self) -> list[int]:
-        """What it has heard, without marks."""
+        """Received numbers, without marks."""
         return [number for number in self.heard if number >= 0]
 
     def _hear(self, message: Any) -> None:
-        # One of another class should not have come; it counts as 0.
+        # A message of another class should not have come; it counts as 0.
         self.heard.append(int(getattr(message, "x", 0)))
 
 
 class BackendRig:
-    """Opens the backends that a check needs, and closes them after it."""
+    """Base class that opens the backends of a check, and closes them after it."""
 
     capabilities = BackendCapabilities()
-    """What the backend says that it can."""
+    """Declared capabilities of the backend."""
     patience_s = 5.0
-    """How long is waited for what should come at once, before it counts as broken."""
+    """Timeout for events that should come at once, in seconds."""
 
     def make_backend(self, options: BackendOptions) -> Backend:
-        """Called for each backend that a check needs. Make one with these options."""
+        """Make a backend with these options. Called for each backend that a check needs."""
         raise promise("opens").broken(f"{type(self).__name__} has no make_backend(self, options)")
 
     def make_peer(self, options: BackendOptions) -> Backend:
-        """Called for another backend of the same world. Override it if it is made otherwise."""
+        """Make another backend of the same world. Override it if it needs different code."""
         return self.make_backend(options)
 
-    # For pytest, and for whoever calls a check by itself.
+    # For pytest, and for code that calls a single check.
 
     def setup_method(self) -> None:
-        """Called before each check."""
+        """Set up; pytest calls it before each check."""
         self.opened: list[Backend] = []
-        # Whatever else is in the same world does not hear it.
+        # Other programs in the same world do not hear it.
         self.topic = f"kit_{os.getpid()}_{next(_topics)}"
 
     def teardown_method(self) -> None:
-        """Called after each check; closes what it has opened."""
+        """Close all that the check has opened; pytest calls it after each check."""
         for backend in self.opened:
             self.on_thread(promise("closing-is-bounded"), backend.close, "close")
 
     # For the checks.
 
     def needs(self, capability: str) -> None:
-        """Skips the check unless the backend says that it can do that."""
+        """Skip the check unless the backend declares the capability."""
         if not getattr(self.capabilities, capability):
             pytest.skip(f"BackendCapabilities({capability}=True) is not declared")
 
     def open(
         self, clock: Clock = _CLOCK, parameters: "dict[str, ParameterValue] | None" = None
     ) -> Backend:
-        """The backend to be checked, under the name `kit`."""
+        """Open the backend to be checked, under the name `kit`."""
         return self._open(self.make_backend, BackendOptions("kit", parameters or {}, clock))
 
     def open_peer(self) -> Backend:
-        """Another one, under the name `peer`."""
+        """Open another backend, under the name `peer`."""
         return self._open(self.make_peer, BackendOptions("peer"))
 
     def talker(self, backend: Backend, profile: int | QoSProfile = 1000) -> Talker:
-        """A publisher on the topic of this check."""
+        """Create a publisher on the topic of this check."""
         return Talker(backend, self.topic, profile)
 
     def listener(self, backend: Backend, profile: int | QoSProfile = 1000) -> Listener:
-        """A subscription to the topic of this check."""
+        """Create a subscription to the topic of this check."""
         return Listener(backend, self.topic, profile)
 
     def wait(
@@ -141,7 +141,7 @@ class BackendRig:
         *spun: Backend,
         meanwhile: Callable[[], object] = lambda: _CLOCK.sleep(_POLL_S),
     ) -> None:
-        """Spins these backends until it holds; the promise is broken when the time is up."""
+        """Spin the backends until a condition holds; break the promise at the timeout."""
         deadline_ns = self.deadline_ns()
         while not holds():
             if _CLOCK.monotonic_ns() > deadline_ns:
@@ -152,7 +152,7 @@ class BackendRig:
                 backend.spin_until(now_ns + _MOMENT_NS, holds)
 
     def connect(self, promised: Promise, talker: Talker, *listeners: Listener) -> None:
-        """Returns when all of these listeners hear the talker, and nothing is on its way."""
+        """Wait until all listeners hear the talker, and no message is in transit."""
         self.wait(
             promised,
             lambda: all(listener.heard for listener in listeners),
@@ -163,7 +163,7 @@ class BackendRig:
         self.settle(promised, talker, *listeners)
 
     def settle(self, promised: Promise, talker: Talker, *listeners: Listener) -> None:
-        """Returns when these listeners have heard all that the talker has said."""
+        """Wait until the listeners have received all messages of the talker."""
         mark = talker.mark()
         self.wait(
             promised,
@@ -173,7 +173,7 @@ class BackendRig:
         )
 
     def raises_nothing(self, promised: Promise, function: Callable[[], object], doing: str) -> None:
-        """Calls it; what it raises breaks the promise."""
+        """Call it; an exception breaks the promise."""
         try:
             function()
         except Exception as error:
@@ -187,7 +187,7 @@ class BackendRig:
         doing: str,
         shown: str = "",
     ) -> None:
-        """Calls it; unless it raises that, in one line which shows it, the promise is broken."""
+        """Call it; the promise is broken unless it raises that error, in one line that shows it."""
         try:
             function()
         except kind as error:
@@ -200,13 +200,13 @@ class BackendRig:
             raise promised.broken(f"{doing} raised no {kind.__name__}")
 
     def on_thread(self, promised: Promise, function: Callable[[], object], doing: str) -> None:
-        """Has another thread call it; it is to return soon, and to raise nothing."""
+        """Call it on another thread; it must return soon and raise nothing."""
         self.on_threads(promised, [function], doing)
 
     def on_threads(
         self, promised: Promise, functions: Iterable[Callable[[], object]], doing: str
     ) -> None:
-        """Has a thread call each of them, all at once; likewise."""
+        """Call each of them on its own thread, all at once; likewise."""
         errors: list[BaseException] = []
 
         def run(function: Callable[[], object]) -> None:
@@ -225,7 +225,7 @@ class BackendRig:
         promised.require(not errors, "; ".join(raised(doing, error) for error in errors))
 
     def deadline_ns(self) -> int:
-        """The end of the patience, on the monotonic clock of the machine."""
+        """Return the end of the timeout, on the monotonic clock of the machine."""
         return _CLOCK.monotonic_ns() + int(self.patience_s * _NS_PER_S)
 
     def _join(self, promised: Promise, threads: list[threading.Thread], doing: str) -> None:

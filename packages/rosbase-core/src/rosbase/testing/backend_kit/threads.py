@@ -1,4 +1,4 @@
-"""Checks of who may call from where, and on which thread callbacks run."""
+"""Checks of threads: allowed callers, and the thread of the callbacks."""
 
 import threading
 from collections.abc import Callable
@@ -17,7 +17,7 @@ _EACH = 50
 
 
 class ThreadChecks(BackendRig):
-    """One thread runs callbacks; any may call."""
+    """Checks that one thread runs callbacks and any thread may call."""
 
     def test_calls_come_from_any_thread(self) -> None:
         promised, backend = promise("calls-come-from-any-thread"), self.open()
@@ -190,7 +190,7 @@ class ThreadChecks(BackendRig):
     def _on_several_threads(
         self, promised: Promise, call: Callable[[int], object], doing: str
     ) -> None:
-        """Has each of several threads call it with numbers of its own, all at once."""
+        """Call it on several threads at once, each with its own numbers."""
         together = threading.Barrier(_THREADS)
 
         def work(first: int) -> None:
@@ -213,12 +213,12 @@ class ThreadChecks(BackendRig):
         disturb: Callable[[], object],
         came: Callable[[], object],
     ) -> None:
-        """Has another thread disturb a spinner that sleeps; it is to see to it at once."""
+        """Disturb a sleeping spinner from another thread; it must react at once."""
         asleep, clock = threading.Event(), backend.executor.clock
 
         def disturb_later() -> None:
             asleep.wait(self.patience_s)
-            # It takes a moment to fall asleep; whoever is quicker finds less.
+            # The spinner takes a moment to fall asleep; a faster thread finds less.
             clock.sleep(0.02)
             disturb()
 

@@ -1,4 +1,4 @@
-"""Checks of timers: on the clock of the test where the backend takes one, else in real time."""
+"""Checks of timers: on the clock of the test if the backend takes one, else in real time."""
 
 from collections.abc import Callable
 from functools import partial
@@ -21,7 +21,7 @@ _NO_PERIODS = (0, -1.0, float("nan"), float("inf"))
 
 
 class _Ticks:
-    """A timer, and when it was called, in periods from when it was created."""
+    """Timer with the times of its calls, in periods since its creation."""
 
     def __init__(
         self, backend: Backend, during: Callable[["_Ticks"], object] = lambda ticks: None
@@ -34,11 +34,11 @@ class _Ticks:
 
     @property
     def now(self) -> float:
-        """What time it is, in periods."""
+        """Current time, in periods."""
         return (self._clock.monotonic_ns() - self._start_ns) / (_PERIOD_S * _NS_PER_S)
 
     def shown(self) -> str:
-        """The times, for a message."""
+        """Times as text for a message."""
         return f"[{', '.join(f'{time:.2f}' for time in self.times)}] periods"
 
     def _tick(self) -> None:
@@ -47,7 +47,7 @@ class _Ticks:
 
 
 class TimerChecks(BackendRig):
-    """Absolute deadlines; missed ones are skipped."""
+    """Checks of timers: absolute deadlines, skipped calls."""
 
     def test_timers_keep_to_their_deadlines(self) -> None:
         promised, backend = promise("timers-keep-to-their-deadlines"), self._open_timed()
@@ -59,8 +59,8 @@ class TimerChecks(BackendRig):
 
         ticks = _Ticks(backend, work)
         self._await_ticks(promised, backend, ticks, 12)
-        # Half a period from a call that was late to the next; more by accident, but never less
-        # than a whole one where a deadline counts from the call before.
+        # The next call follows a late call after half a period, or more by accident. If
+        # deadlines counted from the previous call, it would never be less than a whole period.
         shortest = min(b - a for a, b in pairwise(ticks.times))
         promised.require(
             shortest < 0.8, f"with calls that take 1.5 periods it was called at {ticks.shown()}"
@@ -70,7 +70,7 @@ class TimerChecks(BackendRig):
         promised, backend = promise("timers-keep-their-period"), self._open_timed()
         ticks = _Ticks(backend)
         self._await_ticks(promised, backend, ticks, _MANY)
-        # The middle one, because a machine that is busy is late now and then.
+        # The median, because a busy machine is late now and then.
         gap = median(later - earlier for earlier, later in pairwise(ticks.times))
         late = median((time + 0.1) % 1.0 - 0.1 for time in ticks.times)
         promised.require(
@@ -144,7 +144,7 @@ class TimerChecks(BackendRig):
             )
 
     def _open_timed(self) -> Backend:
-        """A backend whose time takes none, if there is such a thing."""
+        """Open a backend in virtual time, if it takes a clock."""
         clock: Clock = ManualClock() if self.capabilities.takes_a_clock else SystemClock()
         return self.open(clock)
 
@@ -157,5 +157,5 @@ class TimerChecks(BackendRig):
         )
 
     def _let_pass(self, promised: Promise, backend: Backend) -> None:
-        """Spins for some periods."""
+        """Spin for some periods."""
         self._await_ticks(promised, backend, _Ticks(backend), 4)

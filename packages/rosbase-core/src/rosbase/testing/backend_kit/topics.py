@@ -1,4 +1,4 @@
-"""Checks of topics: names, types, messages, and who hears whom."""
+"""Checks of topics: names, types, messages and delivery."""
 
 import inspect
 from functools import partial
@@ -32,7 +32,7 @@ _SAMPLE = (7_000_000_005, (0.0, 0.6, 0.0, 0.8), (0.1, -0.2, 0.3), (0.0, 1.5, -9.
 
 
 class TopicChecks(BackendRig):
-    """Messages get from publishers to subscriptions as they are."""
+    """Checks that messages reach subscriptions unaltered."""
 
     def test_every_subscription_hears(self) -> None:
         promised, backend = promise("every-subscription-hears"), self.open()
@@ -143,7 +143,7 @@ class TopicChecks(BackendRig):
         promised.require(heard == [[0, 1]] * 2, f"of 0 and 1, one from each, they heard {heard}")
 
     def _exchange(self, promised: Promise, backend: Backend, topic: str, sent: Any) -> Any:
-        """What arrives when it is sent."""
+        """Return the message that arrives when it is sent."""
         got: list[Any] = []
         publisher = backend.create_publisher(type(sent), topic, 10)
         backend.create_subscription(type(sent), topic, got.append, 10)
@@ -167,7 +167,7 @@ class TopicChecks(BackendRig):
 
 
 def _difference(got: Any, sent: Any) -> str:
-    """What has become of a message, for those fields that are not what they should be."""
+    """Describe the fields of a message that are wrong."""
     changed = [
         f"{name} became {getattr(got, name, None)!r}, not {value!r}"
         for name, value in asdict(sent, recurse=False).items()
@@ -177,7 +177,7 @@ def _difference(got: Any, sent: Any) -> str:
 
 
 def _sent_as_message(stamp: Time) -> Imu:
-    """The sample as one message, as the core itself would send it."""
+    """Return the sample as a message, as the core would send it."""
     sent: list[Imu] = []
     message_sender(sent.append, _TEMPLATE)(stamp.nanoseconds, *_SAMPLE[1:])
     return sent[0]

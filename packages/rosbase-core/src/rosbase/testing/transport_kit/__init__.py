@@ -1,1 +1,1 @@
-"""What `rosbase.testing.transport_contract` is made of."""
+"""Parts of `rosbase.testing.transport_contract`."""

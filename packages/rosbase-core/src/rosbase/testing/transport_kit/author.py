@@ -1,4 +1,4 @@
-"""What the author of a transport tells the kit: how to make one, and a peer for it."""
+"""Definitions by the author of a transport: how to make one, and a peer for it."""
 
 from typing import ClassVar
 
@@ -16,15 +16,15 @@ _SAMPLE = (
 
 
 class TransportAuthor:
-    """Must say: `transport`, or else `make_peer` and `make_transport`.
+    """Definitions by the author. Must define: `transport`, or `make_peer` and `make_transport`.
 
-    May say: the capabilities, the payloads, the limits. The checks are not to be overridden.
+    May define: the capabilities, the payloads, the limits. Do not override the checks.
     """
 
     transport: ClassVar[str] = ""
-    """The name of an installed transport, as in `comm_t`."""
+    """Name of an installed transport, as in `comm_t`."""
     capabilities: ClassVar[TransportCapabilities] = TransportCapabilities()
-    """What the transport can do beside what all can."""
+    """Optional capabilities of the transport."""
     payloads: ClassVar[tuple[bytes, ...]] = (
         b"0",
         b'{"text": "two  blanks"}',
@@ -41,31 +41,31 @@ class TransportAuthor:
         b"\xff" * 1_000,
         b"x" * 200_000,
     )
-    """What may arrive on a stream between two frames."""
+    """Bytes that may arrive on a stream between two frames."""
     endless: ClassVar[bytes] = b"x" * 65_536
-    """What arrives again and again and never ends a frame."""
+    """Bytes that arrive repeatedly and never end a frame."""
 
     call_limit_s: ClassVar[float] = 5.0
-    """How long `open` and `start` may take, and the others while `on_frame` hangs."""
+    """Limit of `open` and `start`, in seconds; also of the others while `on_frame` hangs."""
     end_limit_s: ClassVar[float] = 1.0
-    """How long `stop` and `close` may take."""
+    """Limit of `stop` and `close`, in seconds."""
     patience_s: ClassVar[float] = 5.0
-    """How long what must happen is awaited, such as the arrival of a frame."""
+    """Timeout for expected events, such as the arrival of a frame, in seconds."""
     reconnect_limit_s: ClassVar[float] = 5.0
-    """How long it may take until data flows again once the device is back."""
+    """Limit until data flows again after the device is back, in seconds."""
     stamp_limit_s: ClassVar[float] = 0.015
-    """How long after it was sent a frame may be stamped, if the machine has nothing else to do."""
+    """Limit from sending a frame to its stamp, in seconds, on an idle machine."""
     memory_limit_bytes: ClassVar[int] = 1_000_000
-    """How much memory a transport may use while four times as much arrives."""
+    """Maximum memory of a transport, in bytes, while four times as much arrives."""
     cycles: ClassVar[int] = 10
-    """How often what must leak nothing is done."""
+    """Number of repetitions of the checks for leaks."""
     machine_examples: ClassVar[int] = 100
-    """How many histories the state machine tries."""
+    """Number of histories that the state machine tries."""
     machine_steps: ClassVar[int] = 15
-    """How long each of them is."""
+    """Number of steps of each history."""
 
     def make_peer(self) -> SimulatedDevice:
-        """Plays a device: a new one each time. By default what the plugin simulates."""
+        """Return a new simulated device. By default the plugin's `simulate` opens it."""
         simulate = self.plugin().simulate
         if simulate is None:
             raise PEER.broken(
@@ -75,17 +75,17 @@ class TransportAuthor:
         return simulate()
 
     def make_transport(self, peer: SimulatedDevice, context: TransportContext) -> Transport:
-        """Makes a transport that reads the peer, of the peer's `parameters`."""
+        """Make a transport that reads the peer, from the peer's `parameters`."""
         plugin = self.plugin()
         values = {spec.name: spec.default for spec in plugin.parameters}
         return plugin.create(values | dict(peer.parameters), context)
 
     def payload(self, number: int) -> bytes:
-        """A usual payload; another one for every number from 0 to 9999."""
+        """Return a typical payload, a different one for each number from 0 to 9999."""
         return _SAMPLE % number
 
     def plugin(self) -> TransportPlugin:
-        """The installed transport, where `transport` names one."""
+        """Return the plugin of the installed transport, if `transport` names one."""
         FACTORY.require(
             self.transport,
             f"{type(self).__name__} names no installed transport and does not write "

@@ -1,4 +1,4 @@
-"""What a check of a transport works with: peers, transports, and a limit for everything."""
+"""Test bench of a check: peers, transports, and a timeout for every call."""
 
 import threading
 from collections.abc import Callable, Iterator, Mapping
@@ -32,7 +32,7 @@ _SILENCE_S = 0.2
 
 @frozen
 class _Parameters:
-    """As much of a peer as a factory looks at."""
+    """The part of a peer that a factory uses."""
 
     parameters: Mapping[str, ParameterValue]
     peer: SimulatedDevice
@@ -42,25 +42,25 @@ class _Parameters:
 
 
 class Bench:
-    """One check's: makes peers and transports, waits, and clears away at the end."""
+    """Bench of one check: makes peers and transports, waits, and cleans up at the end."""
 
     def __init__(self, author: TransportAuthor, promise: Promise) -> None:
-        """Has made nothing yet."""
+        """Start without peers and transports."""
         self.author = author
         self.promise = promise
         self.probes = self.payloads(2, first=9_998)
-        """What is sent to see whether data flows."""
+        """Payloads sent to see whether data flows."""
         self.log = RecordedLog(_LOG)
         self.clock = SystemClock()
         self._peers: list[GuardedPeer] = []
         self._transports: list[GuardedTransport] = []
 
     def require(self, holds: object, seen: str) -> None:
-        """Fails with the promise of the check, unless it holds."""
+        """Fail with the promise of the check unless it holds."""
         self.promise.require(holds, seen)
 
     def peer(self) -> GuardedPeer:
-        """A new peer, with the abilities that are declared."""
+        """Make a peer with the declared abilities."""
         peer = _made(self.author.make_peer, PEER, "make_peer")
         missing = [name for name in ("parameters", "send", "close") if name not in dir(peer)]
         PEER.require(not missing, f"{type(peer).__name__} has no {' and no '.join(missing)}")
@@ -77,7 +77,7 @@ class Bench:
         waits: bool = False,
         reopens: bool = False,
     ) -> GuardedTransport:
-        """A new transport for the peer; one that waits for it or opens it anew, if it is to."""
+        """Make a transport for the peer; if told to, one that waits for it or reopens it."""
         can = self.author.capabilities
         more = {**(can.waits_with if waits else {}), **(can.reopens_with if reopens else {})}
         view = _Parameters({**peer.parameters, **more}, peer.made)
@@ -96,7 +96,7 @@ class Bench:
     def reading(
         self, clock: Clock | None = None
     ) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
-        """A peer, a transport that has been started on it, and who gets the frames."""
+        """Return a peer, a started transport, and the subscriber."""
         peer = self.peer()
         transport = self.transport(peer, clock)
         subscriber = RecordingSubscriber(clock)
@@ -105,14 +105,14 @@ class Bench:
         return peer, transport, subscriber
 
     def prove(self, peer: GuardedPeer, transport: GuardedTransport) -> None:
-        """Starts the transport, and sees frames come through."""
+        """Start the transport, and check that frames arrive."""
         subscriber = RecordingSubscriber()
         transport.start(subscriber)
         peer.send(*self.payloads(2))
         self.wait_for(subscriber, 2)
 
     def take_away(self, peer: GuardedPeer) -> None:
-        """Leaves the transport without a device."""
+        """Leave the transport without a device."""
         if self.author.capabilities.can_unplug:
             peer.unplug()
         else:
@@ -122,7 +122,7 @@ class Bench:
     def hanging(
         self, peer: GuardedPeer, transport: GuardedTransport
     ) -> Iterator[RecordingSubscriber]:
-        """Within it, an `on_frame` of the transport does not return."""
+        """Yield while an `on_frame` of the transport does not return."""
         leave, left = threading.Event(), threading.Event()
 
         def hang(frame: bytes, stamp_ns: int) -> None:
@@ -141,32 +141,32 @@ class Bench:
                 left.wait(self.author.patience_s)
 
     def payloads(self, count: int, first: int = 0) -> list[bytes]:
-        """So many usual payloads, each another one."""
+        """Return that many typical payloads, all different."""
         return [self.author.payload(number) for number in range(first, first + count)]
 
     def arrives(self, subscriber: RecordingSubscriber, count: int) -> bool:
-        """Waits for so many frames in all; tells whether they came in time."""
+        """Wait for a total number of frames; return whether they came in time."""
         return self._in_time(lambda limit_s: subscriber.wait_for(count, limit_s))
 
     def frame_arrives(self, subscriber: RecordingSubscriber, frame: bytes) -> bool:
-        """Waits until that very frame has come; tells whether it came in time."""
+        """Wait for the given frame; return whether it came in time."""
         return self._in_time(lambda limit_s: subscriber.wait_for_frame(frame, limit_s))
 
     def wait_for(self, subscriber: RecordingSubscriber, count: int) -> None:
-        """Waits for so many frames in all."""
+        """Wait for a total number of frames."""
         if not self.arrives(subscriber, count):
             seen = f"{len(subscriber.frames)} of {count} frames had arrived"
             raise self.promise.broken(f"{seen} after {self.author.patience_s:g} s{self._why()}")
 
     def wait_for_bytes(self, transport: GuardedTransport, count: int) -> None:
-        """Waits until the transport has read so many bytes in all."""
+        """Wait until the transport has read a total number of bytes."""
         self.wait_until(
             lambda: transport.health.received_bytes >= count,
             f"health.received_bytes to reach {count}",
         )
 
     def wait_for_silence(self, transport: GuardedTransport) -> None:
-        """Waits until nothing more arrives, of whatever has been sent."""
+        """Wait until no more of the sent data arrives."""
         deadline_ns = self.clock.monotonic_ns() + int(self.author.patience_s * 1e9)
         received = -1
         while received != transport.health.received_bytes:
@@ -176,7 +176,7 @@ class Bench:
             self.clock.sleep(_SILENCE_S)
 
     def require_frames(self, subscriber: RecordingSubscriber, sent: list[bytes]) -> None:
-        """Fails, unless exactly these have arrived."""
+        """Fail unless exactly these frames have arrived."""
         came = subscriber.frames
         if came != sent:
             at = next(
@@ -188,7 +188,7 @@ class Bench:
             )
 
     def in_background(self, call: Callable[[], object]) -> threading.Thread:
-        """Makes a call on another thread, and gives the thread."""
+        """Make a call on another thread, and return the thread."""
         thread = threading.Thread(target=call, name="rosbase-kit-background", daemon=True)
         thread.start()
         return thread
@@ -196,7 +196,7 @@ class Bench:
     def wait_until(
         self, condition: Callable[[], object], what: str, limit_s: float | None = None
     ) -> None:
-        """Waits until the condition holds."""
+        """Wait until the condition holds."""
         limit_s = limit_s or self.author.patience_s
         deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
         while not condition():
@@ -207,14 +207,14 @@ class Bench:
             self.clock.sleep(_LOOK_S)
 
     def wait_for_loss(self, transport: GuardedTransport) -> None:
-        """Waits until the transport has noticed that its device is gone."""
+        """Wait until the transport has noticed the loss of its device."""
         self.wait_until(
             lambda: transport.state is TransportState.RECONNECTING,
             "health.state to be RECONNECTING once the device is gone",
         )
 
     def wait_for_return(self, peer: GuardedPeer, subscriber: RecordingSubscriber) -> list[bytes]:
-        """Sends until data flows again, and all that was sent has arrived; gives what arrived."""
+        """Send until data flows again and all of it has arrived; return the frames."""
         probe, last = self.probes
         limit_s = self.author.reconnect_limit_s
         deadline_ns = self.clock.monotonic_ns() + int(limit_s * 1e9)
@@ -235,33 +235,33 @@ class Bench:
         return came
 
     def flood(self, peer: GuardedPeer, payloads: list[bytes]) -> Flood:
-        """Has the peer send as fast as it can, until the flood is ended."""
-        # What goes wrong with sending is seen here, and not on another thread.
+        """Make the peer send as fast as it can, until the flood is ended."""
+        # An error in sending shows here, and not on another thread.
         peer.send(payloads[0])
         return Flood(peer.made.send, payloads)
 
     def require_written(self) -> None:
-        """Fails, if something has been logged that only says that it is not written yet."""
+        """Fail if the log has a NotImplementedError."""
         for record in self.log.records:
             error = record.exc_info[1] if record.exc_info else None
             if isinstance(error, NotImplementedError):
                 raise CALLS.broken(not_written("what the thread of the transport calls", error))
 
     def close(self) -> None:
-        """Ends what the check has made."""
-        # Peers first: it ends whoever waits for them to take something.
+        """Close all that the check has made."""
+        # Peers first: this ends calls that wait for them.
         for peer in self._peers:
             try:
                 peer.close()
             except BrokenPromiseError:
-                # The check has had its say.
+                # The check has already reported.
                 pass
         for transport in self._transports:
             transport.release()
         self.log.close()
 
     def _in_time(self, arrives: Callable[[float], bool]) -> bool:
-        """Waits in small steps, because what is not written yet never comes."""
+        """Wait in small steps, because an unimplemented call never delivers."""
         deadline_ns = self.clock.monotonic_ns() + int(self.author.patience_s * 1e9)
         while not arrives(_PROBE_S):
             self.require_written()
@@ -270,7 +270,7 @@ class Bench:
         return True
 
     def _why(self) -> str:
-        """What the transports say themselves about what went wrong."""
+        """Return the errors that the transports report."""
         errors = {transport.health.last_error for transport in self._transports} - {""}
         return "".join(f"; health.last_error: {error}" for error in sorted(errors))
 
@@ -293,7 +293,7 @@ def _shown(frames: list[bytes], at: int) -> str:
 
 
 def _made(make: Callable[[], object], promise: Promise, name: str) -> object:
-    """What the author makes, or the promise that it is made."""
+    """Return the author's object, or break the promise that it is made."""
     try:
         made = make()
     except BrokenPromiseError:

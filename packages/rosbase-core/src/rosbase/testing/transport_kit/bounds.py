@@ -1,4 +1,4 @@
-"""The four calls return in time, whatever the device and the subscriber do."""
+"""Checks that the four calls return in time, whatever the device and the subscriber do."""
 
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
@@ -9,7 +9,7 @@ __all__ = ["BoundChecks"]
 
 
 class BoundChecks(TransportAuthor):
-    """What is promised about how long a call takes."""
+    """Checks of the duration of calls."""
 
     @check()
     def test_calls_are_bounded_while_the_device_is_silent(self, bench: Bench) -> None:

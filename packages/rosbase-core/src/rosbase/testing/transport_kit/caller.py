@@ -1,4 +1,4 @@
-"""Calls that end, or are given up: what the kit tries may hang."""
+"""Calls with a timeout, because the code under test may hang."""
 
 import threading
 from collections.abc import Callable
@@ -15,7 +15,7 @@ class StillRunningError(Exception):
 
 
 class _Job:
-    """A call, and what came of it."""
+    """Call with its result."""
 
     def __init__(self, function: Callable[[], Any]) -> None:
         self._function = function
@@ -27,28 +27,28 @@ class _Job:
         try:
             self.result = self._function()
         except BaseException as error:
-            # It is raised where the call was asked for.
+            # The caller's thread raises it.
             self.error = error
         self.is_done.set()
 
 
 class Caller:
-    """Makes calls on one thread, and waits for each only so long.
+    """Thread that makes calls, with a timeout for each.
 
-    After a call that hangs the next one is made on another thread.
+    After a call that hangs, the next one is made on another thread.
     """
 
     def __init__(self) -> None:
-        """Starts the thread."""
+        """Start the thread."""
         self.threads: set[threading.Thread] = set()
-        """All that calls have been made on."""
+        """All threads on which calls were made."""
         self._begin()
 
     def run(self, function: Callable[[], Any], limit_s: float) -> Any:
-        """What the function gives or raises.
+        """Call the function; return its result or raise its exception.
 
         Raises:
-            StillRunningError: It has not returned within that many seconds.
+            StillRunningError: The function has not returned within the timeout.
         """
         job = _Job(function)
         self._jobs.put(job)
@@ -61,7 +61,7 @@ class Caller:
         return job.result
 
     def close(self) -> None:
-        """Ends the thread. A call that hangs is left behind."""
+        """End the thread. A call that hangs is abandoned."""
         self._jobs.put(None)
         self._thread.join(_END_S)
 

@@ -1,4 +1,4 @@
-"""open, start, stop and close: any number of times, in any order, from anywhere."""
+"""Checks of open, start, stop and close: repeated, in any order, from any thread."""
 
 import random
 import threading
@@ -18,13 +18,13 @@ __all__ = ["CallChecks"]
 
 _CALLERS = 4
 _CALLS = 25
-# What must not happen is given so long to happen.
+# Time to wait for an event that must not happen.
 _AGAIN_S = 0.1
 _LATE_S = 0.6
 
 
 class CallChecks(TransportAuthor):
-    """What is promised about the four calls."""
+    """Checks of the four calls."""
 
     @check()
     def test_making_a_transport_touches_nothing(self, bench: Bench) -> None:
@@ -64,7 +64,7 @@ class CallChecks(TransportAuthor):
     def test_what_the_peer_can_do_is_declared(self, bench: Bench) -> None:
         """If a peer can send raw bytes or be unplugged, the test declares it."""
         peer = bench.peer()
-        # Where there is nothing yet that can do anything, that is what is to be said.
+        # If nothing is implemented yet, the failure must say so.
         bench.transport(peer).open()
         for capability in ("is_stream", "can_unplug"):
             abilities = ABILITIES[capability]
@@ -91,7 +91,7 @@ class CallChecks(TransportAuthor):
             counts = f"{len(subscriber.frames)} and {len(other.frames)} of 20 frames"
             raise bench.promise.broken(f"after two starts the two on_frame got {counts}")
         for count, payload in enumerate(sent[20:], start=21):
-            # One by one, for of two threads that wait either may be the first to wake.
+            # One by one, because either of two waiting threads may wake first.
             peer.send(payload)
             bench.wait_for(subscriber, count)
         more = len(other.frames)
@@ -188,7 +188,7 @@ class CallChecks(TransportAuthor):
             peer = bench.peer()
             transport = bench.transport(peer)
             with bench.hanging(peer, transport) as hung:
-                # One that comes while another one waits has to wait too.
+                # A call that arrives while another one waits must wait too.
                 names = (ending, "stop", "close")
                 calls = [bench.in_background(getattr(transport.made, name)) for name in names]
                 calls[0].join(_AGAIN_S)
@@ -206,7 +206,7 @@ class CallChecks(TransportAuthor):
 
 
 class _RandomCaller:
-    """Makes calls at random, and remembers the first that raises."""
+    """Thread that makes random calls, and records the first that raises."""
 
     def __init__(self, transport: Transport, seed: int) -> None:
         self.failure = ""
@@ -234,7 +234,7 @@ class _RandomCaller:
 
 
 class _Visitor:
-    """An `on_frame` that makes the calls."""
+    """`on_frame` that makes the calls."""
 
     def __init__(self, transport: Transport, ending: str) -> None:
         self.calls = 0

@@ -1,4 +1,4 @@
-"""What a transport can do beside what all can, and what the peer must be able to do for that."""
+"""Optional capabilities of a transport, and the methods of a peer that they need."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -13,22 +13,22 @@ __all__ = ["ABILITIES", "FullPeer", "TransportCapabilities"]
 
 @frozen
 class TransportCapabilities:
-    """What the contract may expect. A check that needs what is not declared is skipped."""
+    """Capabilities that the contract may expect. Checks of undeclared ones are skipped."""
 
     is_stream: bool = False
-    """Bytes arrive without borders. The peer has `encode` and `send_raw`."""
+    """Data is a byte stream without boundaries. The peer has `encode` and `send_raw`."""
     can_unplug: bool = False
     """The device can be lost, and the transport notices. The peer has `unplug` and `replug`."""
     can_be_absent: bool = False
-    """`open` fails where there is no device. Found out with `unplug`, or else with `close`."""
+    """`open` fails if there is no device. Checked with `unplug`, or else with `close`."""
     waits_with: Mapping[str, ParameterValue] = field(factory=dict)
-    """The parameters with which `open` waits for a device that is absent. Needs `can_unplug`."""
+    """Parameters with which `open` waits for an absent device. Needs `can_unplug`."""
     bad_frames: tuple[bytes, ...] = ()
-    """What `send_raw` sends, and the transport counts as an error and does not hand over."""
+    """Bytes for `send_raw` that the transport counts as errors and does not deliver."""
     reopens_with: Mapping[str, ParameterValue] = field(factory=dict)
-    """The parameters with which a device that is silent for a part of a second is opened anew."""
+    """Parameters with which a device that is silent for a fraction of a second is reopened."""
     frames_lost_after_junk: int = 1
-    """How many frames at most are lost or spoiled after junk; for a stream."""
+    """Maximum number of frames lost or damaged after junk; for a stream."""
 
 
 ABILITIES = {
@@ -36,22 +36,21 @@ ABILITIES = {
     "can_unplug": ("unplug", "replug"),
     "bad_frames": ("send_raw",),
 }
-"""What the peer must have for a capability."""
+"""Methods that a capability needs in the peer."""
 
 
 class FullPeer(SimulatedDevice, Protocol):
-    """Plays the device, and whatever may happen to it.
+    """Simulated device, with its faults.
 
-    `parameters`, `send` and `close` are every peer's. The rest is for the capabilities that are
-    declared.
+    Every peer has `parameters`, `send` and `close`. The rest is for the declared capabilities.
     """
 
     def encode(self, payload: bytes) -> bytes:
-        """The bytes that `send` sends for a payload."""
+        """Return the bytes that `send` sends for a payload."""
         ...
 
     def send_raw(self, data: bytes) -> None:
-        """Sends bytes as they are: junk, a part of a frame. Of messages, one that may be none.
+        """Send raw bytes: junk, or a part of a frame. Without a stream, one message, maybe invalid.
 
         Raises:
             TransportError: The link has been closed.
@@ -59,9 +58,9 @@ class FullPeer(SimulatedDevice, Protocol):
         ...
 
     def unplug(self) -> None:
-        """Takes the device away, as pulling the plug does."""
+        """Unplug the device."""
         ...
 
     def replug(self) -> None:
-        """Brings it back, under the same name. Called after `unplug` only."""
+        """Plug the device in again, under the same name. Called after `unplug` only."""
         ...

@@ -1,4 +1,4 @@
-"""How a check of the transport contract is written: a method that is given a bench."""
+"""Decorator for checks of the transport contract: methods that take a bench."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -19,10 +19,10 @@ AuthorT = TypeVar("AuthorT", bound=TransportAuthor)
 def check(
     *needs: str,
 ) -> Callable[[Callable[[AuthorT, Bench], None]], Callable[[AuthorT], None]]:
-    """Makes a test of a method; its name and docstring are the promise.
+    """Make a test of a method; its name and docstring are the promise.
 
     Args:
-        needs: The capabilities without which it is skipped.
+        needs: The capabilities without which the test is skipped.
     """
 
     def decorate(method: Callable[[AuthorT, Bench], None]) -> Callable[[AuthorT], None]:
@@ -36,12 +36,12 @@ def check(
             try:
                 method(self, bench)
             except BrokenPromiseError:
-                # Whatever was seen, it comes of what is not written yet.
+                # Whatever the check saw, unimplemented code is the cause.
                 bench.require_written()
                 raise
             finally:
                 bench.close()
-            # Only now: it may be the closing that is not written.
+            # Only now, because close may be the unimplemented call.
             bench.require_written()
 
         run.__name__, run.__qualname__ = method.__name__, method.__qualname__

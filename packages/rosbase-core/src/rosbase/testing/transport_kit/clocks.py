@@ -1,4 +1,4 @@
-"""Clocks that show which clock a transport reads, and what it does when it fails."""
+"""Clocks that show which clock a transport reads, and how it reacts to a failure."""
 
 import threading
 
@@ -10,26 +10,26 @@ _HOUR_NS = 3_600_000_000_000
 
 
 class ShiftedClock(SystemClock):
-    """Runs as the system's does, an hour behind it, its monotonic time two hours ahead."""
+    """System clock, an hour behind; its monotonic time is two hours ahead."""
 
     @staticmethod
     def now_ns() -> int:
-        """The date an hour ago."""
+        """Return the date an hour ago."""
         return SystemClock.now_ns() - _HOUR_NS
 
     @staticmethod
     def monotonic_ns() -> int:
-        """What the system's will say in two hours."""
+        """Return the monotonic time of the system in two hours."""
         return SystemClock.monotonic_ns() + 2 * _HOUR_NS
 
 
 class SteppingClock(SystemClock):
-    """The system's clock, whose date is set by the test."""
+    """System clock whose date the test sets."""
 
     def __init__(self) -> None:
-        """Be right."""
+        """Start with the correct date."""
         self.ahead_ns = 0
-        """How far the date is ahead of the system's."""
+        """Offset of the date to the system's."""
 
     def now_ns(self) -> int:
         """Return the date."""
@@ -37,21 +37,21 @@ class SteppingClock(SystemClock):
 
 
 class FailingClock(SystemClock):
-    """Raises, while it is told to, on every thread but those that were there when it was made."""
+    """Clock that raises, if told to, on every thread that is newer than the clock."""
 
     def __init__(self) -> None:
-        """Works."""
+        """Start without a failure."""
         self.failure: BaseException | None = None
-        """What it raises; None as long as it works."""
+        """Exception that it raises; None while it works."""
         self._spared = set(threading.enumerate())
 
     def now_ns(self) -> int:
-        """The date."""
+        """Return the date."""
         self._fail()
         return SystemClock.now_ns()
 
     def monotonic_ns(self) -> int:
-        """As the system's."""
+        """Return the monotonic time of the system."""
         self._fail()
         return SystemClock.monotonic_ns()
 

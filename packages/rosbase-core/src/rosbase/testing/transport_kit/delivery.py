@@ -1,4 +1,4 @@
-"""The thread that hands over."""
+"""Checks of the thread that delivers frames."""
 
 from collections.abc import Iterable
 from itertools import cycle
@@ -16,7 +16,7 @@ from rosbase.testing.transport_kit.guarded_transport import GuardedTransport
 __all__ = ["DeliveryChecks"]
 
 _SOME = 40
-# What on_frame may do, frame by frame: answer that a sample came or none, or not say, or raise.
+# Behaviour of on_frame, frame by frame: answer True or False, give no answer, or raise.
 _ANSWERS: dict[str, tuple[object, ...]] = {
     "True": (True,),
     "False": (False,),
@@ -26,7 +26,7 @@ _ANSWERS: dict[str, tuple[object, ...]] = {
 
 
 class DeliveryChecks(TransportAuthor):
-    """What is promised about how frames are handed over."""
+    """Checks of the delivery of frames."""
 
     @check()
     def test_on_frame_is_called_on_one_thread_of_its_own(self, bench: Bench) -> None:
@@ -61,7 +61,7 @@ class DeliveryChecks(TransportAuthor):
             peer, transport, subscriber = _raising(bench, error)
             peer.send(*bench.payloads(_SOME))
             bench.wait_for(subscriber, _SOME)
-            # What has been handed over has been logged once the thread has ended.
+            # When the thread has ended, all delivered frames have been logged.
             transport.stop()
             bench.require(bench.log.tells_of(error), f"{error!r} was not logged as an error")
             lines = sum(repr(error) in line for line in bench.log.lines)
@@ -78,7 +78,7 @@ class DeliveryChecks(TransportAuthor):
             if not bench.arrives(subscriber, len(sent)):
                 came = len(subscriber.frames)
                 raise bench.promise.broken(f"{came} of {_SOME} frames came when it answered {name}")
-            # What is handed over twice has been by then.
+            # By then, a frame delivered twice has arrived twice.
             transport.stop()
             bench.require_frames(subscriber, sent)
             counted = transport.health.frames
@@ -109,14 +109,14 @@ class DeliveryChecks(TransportAuthor):
 def _raising(
     bench: Bench, error: BaseException
 ) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
-    """A transport whose subscriber raises that at every frame."""
+    """Make a transport whose subscriber raises that at every frame."""
     return _answering(bench, (error,))
 
 
 def _answering(
     bench: Bench, answers: Iterable[object]
 ) -> tuple[GuardedPeer, GuardedTransport, RecordingSubscriber]:
-    """A transport whose subscriber answers these in turn; those that are exceptions it raises."""
+    """Make a transport whose subscriber returns these in turn, and raises exceptions."""
     turns = cycle(answers)
 
     def answer(frame: bytes, stamp_ns: int) -> Any:

@@ -1,4 +1,4 @@
-"""A device that sends as fast as it can."""
+"""Device that sends as fast as it can."""
 
 import threading
 from collections.abc import Callable
@@ -14,14 +14,14 @@ _STUCK_LOOKS = 30
 
 
 class Flood:
-    """Sends on a thread of its own until it is ended, or the link is closed."""
+    """Thread that sends until it is ended, or the link is closed."""
 
     def __init__(self, send: Callable[[bytes], object], payloads: list[bytes]) -> None:
-        """Begins."""
+        """Start sending."""
         self.sent_bytes = 0
-        """How much the link has taken so far."""
+        """Number of bytes that the link has taken so far."""
         self.failure: Exception | None = None
-        """Why it could not send, if that is the author's."""
+        """Error in the author's code that prevented sending, if any."""
         self._send = send
         self._payloads = payloads
         self._ends = threading.Event()
@@ -29,7 +29,7 @@ class Flood:
         self._thread.start()
 
     def wait_for(self, size_bytes: int, limit_s: float) -> None:
-        """Waits until so much is sent, the link takes no more, or the time is up."""
+        """Wait until that much is sent, the link takes no more, or the time is up."""
         clock = SystemClock()
         deadline_ns = clock.monotonic_ns() + int(limit_s * 1e9)
         idle_looks, seen = 0, -1
@@ -41,7 +41,7 @@ class Flood:
             clock.sleep(_LOOK_S)
 
     def end(self) -> None:
-        """Sends no more, once the link has taken what is under way."""
+        """Stop sending when the link has taken the current payload."""
         self._ends.set()
 
     def _run(self) -> None:
@@ -49,12 +49,12 @@ class Flood:
             if self._ends.is_set():
                 return
             try:
-                # A copy: over a link in this process, one object that piles up costs nothing.
+                # A copy, because on a link in this process the same object costs nothing.
                 self._send(bytes(bytearray(payload)))
             except TransportError:
                 return
             except Exception as error:
-                # The boundary to the author's code, on a thread that nobody sees.
+                # Boundary to the author's code, on a thread whose errors nobody sees.
                 self.failure = error
                 return
             self.sent_bytes += len(payload)

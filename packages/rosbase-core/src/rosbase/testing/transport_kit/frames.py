@@ -1,4 +1,4 @@
-"""What the device sends is handed over as it was sent, all of it, once, and nothing else."""
+"""Checks that all sent frames are delivered unaltered, once, and nothing else."""
 
 from rosbase.testing.recording import RecordingSubscriber
 from rosbase.testing.transport_kit.author import TransportAuthor
@@ -15,7 +15,7 @@ _TIMES = 3
 
 
 class FrameChecks(TransportAuthor):
-    """What is promised about frames."""
+    """Checks of frames."""
 
     @check()
     def test_frames_arrive_unaltered(self, bench: Bench) -> None:

@@ -1,4 +1,4 @@
-"""A peer whose calls end: one that waits for a reader that has died would hang the test."""
+"""Peer with a timeout for its calls: a dead reader must not hang the test."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -16,50 +16,50 @@ __all__ = ["GuardedPeer"]
 
 
 class GuardedPeer:
-    """Makes the calls of a peer on a thread of its own, and says what was promised if they hang."""
+    """Peer whose calls run on a thread of their own; a call that hangs breaks the promise."""
 
     def __init__(self, peer: FullPeer, promise: Promise, limit_s: float) -> None:
-        """Takes over the peer that an author has made."""
+        """Wrap the peer that an author has made."""
         self.made = peer
-        """What the author has made."""
+        """Peer of the author."""
         self._promise = promise
         self._limit_s = limit_s
         self._caller = Caller()
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
-        """What the transport must be given to reach this device."""
+        """Parameters with which the transport reaches this device."""
         return dict(self._call("parameters", lambda: self.made.parameters))
 
     def send(self, *payloads: bytes) -> None:
-        """Sends payloads, one by one."""
+        """Send payloads, one by one."""
         for payload in payloads:
             self._call("send", self.made.send, payload)
 
     def send_raw(self, data: bytes) -> None:
-        """Sends bytes as they are."""
+        """Send raw bytes."""
         self._call("send_raw", self.made.send_raw, data)
 
     def encode(self, payload: bytes) -> bytes:
-        """The bytes that `send` sends."""
+        """Return the bytes that `send` sends."""
         encoded: bytes = self._call("encode", self.made.encode, payload)
         return encoded
 
     def unplug(self) -> None:
-        """Takes the device away."""
+        """Unplug the device."""
         self._call("unplug", self.made.unplug)
 
     def replug(self) -> None:
-        """Brings it back."""
+        """Plug the device in again."""
         self._call("replug", self.made.replug)
 
     @property
     def threads(self) -> set[threading.Thread]:
-        """Those from which it is called."""
+        """Threads from which it is called."""
         return self._caller.threads
 
     def close(self) -> None:
-        """Ends the link."""
+        """End the link."""
         try:
             self._call("close", self.made.close)
         finally:

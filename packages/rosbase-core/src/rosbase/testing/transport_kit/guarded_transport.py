@@ -1,4 +1,4 @@
-"""A transport whose calls end, or break a promise: the kit never hangs with what it tries."""
+"""Transport with a timeout for its calls; a call that hangs breaks a promise."""
 
 import threading
 from collections.abc import Callable
@@ -18,46 +18,46 @@ __all__ = ["GuardedTransport", "Limits"]
 
 @frozen
 class Limits:
-    """How long calls may take, in seconds."""
+    """Limits of calls, in seconds."""
 
     call_s: float
-    """`open` and `start`."""
+    """Limit of `open` and `start`."""
     end_s: float
-    """`stop`, `close`, and each look at `health` and `is_open`."""
+    """Limit of `stop`, `close`, and each read of `health` and `is_open`."""
 
 
 class GuardedTransport:
-    """Makes the calls of a transport, each with a limit, on one thread; looks at it on another.
+    """Transport whose calls run on one thread, each with a limit; another thread reads its health.
 
-    What a call raises, and that it does not return, is a broken promise.
+    A call that raises or does not return breaks a promise.
     """
 
     def __init__(self, transport: Transport, promise: Promise, limits: Limits) -> None:
-        """Takes over the transport that an author has made."""
+        """Wrap the transport that an author has made."""
         self.made = transport
-        """What the author has made."""
+        """Transport of the author."""
         self._promise = promise
         self._limits = limits
         self._caller, self._looker = Caller(), Caller()
 
     def open(self) -> None:
-        """Opens it."""
+        """Open it."""
         self._call("open", self.made.open, self._limits.call_s)
 
     def start(self, on_frame: OnFrame) -> None:
-        """Starts it."""
+        """Start it."""
         self._call("start", lambda: self.made.start(on_frame), self._limits.call_s)
 
     def stop(self, limit_s: float | None = None) -> None:
-        """Stops it, within another limit if one is given."""
+        """Stop it, within another limit if one is given."""
         self._call("stop", self.made.stop, limit_s or self._limits.end_s)
 
     def close(self, limit_s: float | None = None) -> None:
-        """Closes it, within another limit if one is given."""
+        """Close it, within another limit if one is given."""
         self._call("close", self.made.close, limit_s or self._limits.end_s)
 
     def refusal(self, name: str, *arguments: object) -> TransportError | None:
-        """The error with which `open` or `start` refuses; None if it does not."""
+        """Return the error that `open` or `start` raises; None if it raises none."""
         call = getattr(self.made, name)
         try:
             self._run(name, lambda: call(*arguments), self._limits.call_s)
@@ -67,12 +67,12 @@ class GuardedTransport:
 
     @property
     def is_open(self) -> bool:
-        """As the transport says."""
+        """Value from the transport."""
         return bool(self._look("is_open", lambda: self.made.is_open))
 
     @property
     def health(self) -> TransportHealth:
-        """As the transport says."""
+        """Value from the transport."""
         health = self._look("health", lambda: self.made.health)
         CALLS.require(
             isinstance(health, TransportHealth), f"health gave {health!r}, not a TransportHealth"
@@ -81,20 +81,20 @@ class GuardedTransport:
 
     @property
     def state(self) -> TransportState:
-        """That of its health."""
+        """State in its health."""
         return self.health.state
 
     @property
     def threads(self) -> set[threading.Thread]:
-        """Those from which it is called."""
+        """Threads from which it is called."""
         return self._caller.threads | self._looker.threads
 
     def release(self) -> None:
-        """Closes it at the end of a check, whatever that leads to, and ends the threads."""
+        """Close it at the end of a check, ignoring errors, and end the threads."""
         try:
             self._caller.run(self.made.close, self._limits.call_s)
         except Exception:
-            # Some check asks for a close that works; this one has had its say.
+            # Another check needs a close that works; this one has already reported.
             pass
         self._caller.close()
         self._looker.close()

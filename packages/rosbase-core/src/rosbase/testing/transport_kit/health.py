@@ -1,4 +1,4 @@
-"""Health and is_open say what is so, at once."""
+"""Checks that health and is_open are correct, and return at once."""
 
 from rosbase.contracts.transport import TransportState
 from rosbase.testing.recording import RecordingSubscriber
@@ -8,12 +8,12 @@ from rosbase.testing.transport_kit.check import check
 
 __all__ = ["HealthChecks"]
 
-# What there may be of a frame beside its payload.
+# Maximum number of bytes of a frame in addition to its payload.
 _MOST_AROUND = 1_000
 
 
 class HealthChecks(TransportAuthor):
-    """What is promised about what can be seen of a transport."""
+    """Checks of health and is_open."""
 
     @check()
     def test_is_open_is_true_as_long_as_the_device_is_held(self, bench: Bench) -> None:
@@ -104,7 +104,7 @@ class HealthChecks(TransportAuthor):
             _ = (transport.health, transport.is_open)
             ending = bench.in_background(transport.made.stop)
             deadline_ns = bench.clock.monotonic_ns() + int(self.call_limit_s * 1e9)
-            # That stop ends is another promise.
+            # Another check tests that stop returns.
             while ending.is_alive() and bench.clock.monotonic_ns() < deadline_ns:
                 _ = (transport.health, transport.is_open)
                 ending.join(0.05)

@@ -1,4 +1,4 @@
-"""A device that is absent, or lost, and comes back."""
+"""Checks with a device that is absent, or lost, and comes back."""
 
 import threading
 
@@ -12,12 +12,12 @@ __all__ = ["LossChecks"]
 
 _LOSSES = 3
 _SILENCES = 2
-# Lost, not there, is back.
+# The lines: lost, absent, back.
 _LINES_EACH = 3
 
 
 class LossChecks(TransportAuthor):
-    """What is promised about devices that come and go."""
+    """Checks of absent and lost devices."""
 
     @check("can_be_absent")
     def test_an_absent_device_is_refused_in_one_line(self, bench: Bench) -> None:
@@ -25,7 +25,7 @@ class LossChecks(TransportAuthor):
         peer = bench.peer()
         transport = bench.transport(peer)
         bench.take_away(peer)
-        # open twice: one that has failed is not half open.
+        # open twice: after a failure, the transport must not be half open.
         for name, arguments in (("open", ()), ("open", ()), ("start", (RecordingSubscriber(),))):
             error = transport.refusal(name, *arguments)
             if error is None:
@@ -150,7 +150,7 @@ class LossChecks(TransportAuthor):
 
     @check("reopens_with")
     def test_a_silent_device_is_opened_anew(self, bench: Bench) -> None:
-        """If told to, it reopens a silent device until data flows, counts that, and logs it once."""
+        """If told to, it reopens a silent device until data flows, counts it, and logs it once."""
         peer = bench.peer()
         transport = bench.transport(peer, reopens=True)
         subscriber = RecordingSubscriber()

@@ -1,4 +1,4 @@
-"""Any history of calls and events, beside a model of where the transport should be."""
+"""Checks of random histories of calls and events against a model of the transport."""
 
 from collections.abc import Callable
 
@@ -23,7 +23,7 @@ __all__ = ["HistoryChecks", "Machine"]
 
 
 class HistoryChecks(TransportAuthor):
-    """What is promised about everything together."""
+    """Checks of random histories."""
 
     @check()
     def test_every_history_ends_where_the_model_says(self, bench: Bench) -> None:
@@ -42,7 +42,7 @@ class HistoryChecks(TransportAuthor):
                     stateful_step_count=self.machine_steps,
                     deadline=None,
                     database=None,
-                    # Of a failure on a real link the first account is the one that counts.
+                    # On a real link, the first report of a failure counts.
                     phases=[Phase.generate],
                     suppress_health_check=list(HealthCheck),
                 ),
@@ -54,7 +54,7 @@ class HistoryChecks(TransportAuthor):
             raise failures[0]
 
 
-# What chance alone would lead to too seldom, and what often goes wrong after it.
+# States that chance reaches too seldom, and steps that often fail after them.
 _BEGINNINGS = (
     "",
     "start",
@@ -69,7 +69,7 @@ _BEGINNINGS = (
 
 
 class Machine(RuleBasedStateMachine):
-    """A transport beside the few words that describe where it should be."""
+    """Transport with the few words of its model."""
 
     def __init__(self, bench: Bench, failures: list[BrokenPromiseError]) -> None:
         super().__init__()
@@ -90,7 +90,7 @@ class Machine(RuleBasedStateMachine):
 
     @initialize(beginning=st.sampled_from(_BEGINNINGS))
     def begin(self, beginning: str) -> None:
-        """Some way in, as far as it goes with what can be done."""
+        """Return a start of a history, as far as the capabilities allow."""
         able = {"junk": self.can.is_stream, "half": self.can.is_stream}
         able |= {"unplug": self.can.can_unplug, "replug": self.can.can_unplug}
         for name in beginning.split():
@@ -99,60 +99,60 @@ class Machine(RuleBasedStateMachine):
 
     @rule()
     def open(self) -> None:
-        """The call."""
+        """Make the call."""
         self._take(self._open)
 
     @rule()
     def start(self) -> None:
-        """The call."""
+        """Make the call."""
         self._take(self._start)
 
     @rule()
     def stop(self) -> None:
-        """The call."""
+        """Make the call."""
         self._take(self._stop)
 
     @rule()
     def close(self) -> None:
-        """The call."""
+        """Make the call."""
         self._take(self._close)
 
     @precondition(lambda self: self.is_plugged)
     @rule()
     def data(self) -> None:
-        """The device sends."""
+        """Send from the device."""
         self._take(self._data)
 
     @precondition(lambda self: self.is_plugged and self.is_started and self.can.is_stream)
     @rule()
     def junk(self) -> None:
-        """The line is disturbed."""
+        """Disturb the line."""
         self._take(self._junk)
 
     @precondition(lambda self: self.is_plugged and self.is_started and self.can.is_stream)
     @rule()
     def half(self) -> None:
-        """A frame is begun."""
+        """Begin a frame."""
         self._take(self._half)
 
     @precondition(lambda self: self.is_plugged and self.can.can_unplug)
     @rule()
     def unplug(self) -> None:
-        """The device is gone."""
+        """Unplug the device."""
         self._take(self._unplug)
 
     @precondition(lambda self: not self.is_plugged)
     @rule()
     def replug(self) -> None:
-        """The device is back."""
+        """Plug the device in again."""
         self._take(self._replug)
 
     def teardown(self) -> None:
-        """The end of a history."""
+        """End the history."""
         self._bench.close()
 
     def _take(self, step: Callable[[], None]) -> None:
-        """One step, and a look at where it has led."""
+        """Make one step, and compare the result with the model."""
         self._history.append(step.__name__.removeprefix("_"))
         try:
             step()
@@ -181,11 +181,11 @@ class Machine(RuleBasedStateMachine):
         self.is_open = self.is_started = True
         if self.is_in_doubt:
             self._wait_for_return()
-        # Seen now, what a start leads to is seen in far more histories.
+        # Checked now, the result of a start shows in far more histories.
         self._data()
 
     def _call_without_device(self, name: str, *arguments: object) -> None:
-        """It must fail if nothing was open; otherwise it may."""
+        """Make a call that must fail if nothing was open, and may fail otherwise."""
         must_fail = not self.is_open and self.can.can_be_absent
         has_failed = self._transport.refusal(name, *arguments) is not None
         self._bench.require(has_failed or not must_fail, f"{name}() succeeded without a device")
@@ -221,7 +221,7 @@ class Machine(RuleBasedStateMachine):
         data = junk[len(self._history) % len(junk)]
         before = self._transport.health.received_bytes
         self._peer.send_raw(data)
-        # What fills the link would have the peer wait, once nobody reads.
+        # A full link would make the peer wait, once nobody reads.
         self._bench.wait_for_bytes(self._transport, before + len(data))
         self.is_spoiled = True
 
@@ -250,7 +250,7 @@ class Machine(RuleBasedStateMachine):
         self.is_in_doubt = self.is_spoiled = False
 
     def _look(self) -> None:
-        """Where it is, as far as the model knows."""
+        """Describe the state as the model knows it."""
         if not self.is_open:
             self._expect(TransportState.CLOSED, is_open=False)
         elif self.is_started and not self.is_plugged:

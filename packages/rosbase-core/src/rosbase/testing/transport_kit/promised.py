@@ -11,7 +11,7 @@ _PREFIX = "test_"
 
 
 def promise_of(check: Callable[..., object], page: str) -> Promise:
-    """The promise that a check holds an implementation to.
+    """Return the promise that a check tests.
 
     Its name is the method's, with hyphens; its sentence is the docstring.
     """
@@ -20,7 +20,7 @@ def promise_of(check: Callable[..., object], page: str) -> Promise:
 
 
 def promises_of(contract: type) -> tuple[Promise, ...]:
-    """Every promise that a contract checks, in the order in which they are written."""
+    """Return all promises that a contract checks, in the order of the source."""
     methods = {
         name: method
         for base in reversed(contract.__mro__)

@@ -1,4 +1,4 @@
-"""What the kit asks of the author before it can check anything."""
+"""Preparations of the author that the kit needs before it can check anything."""
 
 from rosbase.testing.promise import Promise
 
@@ -28,4 +28,4 @@ CALLS = Promise(
 )
 
 PREPARATIONS = (PEER, PEER_ABILITIES, FACTORY, CALLS)
-"""Broken by whichever check is first to come upon it."""
+"""Promises about the author's preparations. Any check may break them."""

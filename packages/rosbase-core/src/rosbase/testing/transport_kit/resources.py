@@ -1,4 +1,4 @@
-"""What a transport takes, it gives back, and it never takes more and more."""
+"""Checks that a transport releases its resources and that they do not grow."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ _AGAIN_S = 0.3
 
 
 class ResourceChecks(TransportAuthor):
-    """What is promised about threads, descriptors, the device and memory."""
+    """Checks of threads, descriptors, the device and memory."""
 
     @check()
     def test_close_ends_its_threads(self, bench: Bench) -> None:
@@ -167,7 +167,7 @@ class ResourceChecks(TransportAuthor):
 
     @property
     def _times(self) -> int:
-        """How often each life is lived: some of them take a while."""
+        """Return the number of repetitions of each life; some take a while."""
         return max(2, self.cycles // 3)
 
     def _require_idle(self, bench: Bench, while_what: str) -> None:
@@ -175,11 +175,11 @@ class ResourceChecks(TransportAuthor):
         bench.clock.sleep(_IDLE_S)
         used_s = cpu_s() - before_s
         seen = f"{used_s:.2f} s of the processor in {_IDLE_S:g} s while {while_what}"
-        # On a busy machine who turns in a circle gets a share of a processor only.
+        # On a busy machine, a busy loop gets only a share of a processor.
         bench.require(used_s < _IDLE_S / 5, seen)
 
     def _lives(self, bench: Bench) -> dict[str, Callable[[], None]]:
-        """Whole lives of a transport, from the first call to close, by what it was doing."""
+        """Return complete lives of a transport, from the first call to close, by name."""
         peer = bench.peer()
         transport = bench.transport(peer)
 
@@ -208,7 +208,7 @@ class ResourceChecks(TransportAuthor):
             bench.wait_for_loss(transport)
             transport.close()
             peer.replug()
-            # Whoever has gone on waiting for it takes it now.
+            # A thread that still waits for it takes it now.
             bench.clock.sleep(_AGAIN_S)
 
         lives = {

@@ -1,4 +1,4 @@
-"""The stamps of frames: when they arrived, as far as that can be known."""
+"""Checks of the stamps of frames."""
 
 import threading
 from itertools import pairwise
@@ -15,19 +15,19 @@ __all__ = ["StampChecks"]
 _NS_PER_S = 1_000_000_000
 _NS_PER_MS = 1_000_000
 _MANY = 100
-# Enough for a transport to learn how often frames usually come.
+# Enough for a transport to learn the usual interval.
 _LEARNED, _INTERVAL_S = 20, 0.02
-# How many frames wait while nobody reads. What happens on a busy machine may make them uneven
-# once, and not each time.
+# Number of frames that wait while nobody reads. A busy machine may make them uneven once,
+# but not each time.
 _WAITING, _TRIES = 5, 5
 _PAUSE_S = 0.6
-# The promise is about what waits for more than a second.
+# The promise is about data that waits for more than a second.
 _STALL_S, _NEW_S = 1.6, 0.8
 _STEPS_S = (3_600, -7_200)
 
 
 class Stall:
-    """An `on_frame` that keeps the reader from reading, from the next frame until `end`."""
+    """`on_frame` that blocks the reader, from the next frame until `end`."""
 
     def __init__(self, bench: Bench) -> None:
         self.subscriber = RecordingSubscriber(then=self._hold)
@@ -52,7 +52,7 @@ class Stall:
 
 
 class StampChecks(TransportAuthor):
-    """What is promised about stamps."""
+    """Checks of stamps."""
 
     @check()
     def test_stamps_lie_between_sending_and_arrival(self, bench: Bench) -> None:
@@ -70,7 +70,7 @@ class StampChecks(TransportAuthor):
             late_ns = received.stamp_ns - received.arrived_ns
             bench.require(late_ns <= 0, f"stamped {late_ns / 1e6:.3f} ms after it was handed over")
             delays_ns.append(-early_ns)
-        # One may be late, on a machine that is busy; not all of them.
+        # On a busy machine, one frame may be late, but not all of them.
         shortest_s = min(delays_ns) / 1e9
         seen = f"of 20 frames none was stamped sooner than {shortest_s:.4f} s after it was sent"
         bench.require(shortest_s < self.stamp_limit_s, seen)
@@ -233,7 +233,7 @@ class StampChecks(TransportAuthor):
 
 
 def _learn(bench: Bench, peer: GuardedPeer, subscriber: RecordingSubscriber) -> None:
-    """Send frames at one interval, so that the transport knows what is usual."""
+    """Send frames at one interval, so that the transport learns the usual one."""
     for number, payload in enumerate(bench.payloads(_LEARNED), start=1):
         peer.send(payload)
         bench.wait_for(subscriber, number)
