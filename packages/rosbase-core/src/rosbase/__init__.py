@@ -1,7 +1,7 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.fsm`,
-`rosbase.lifecycle` and `rosbase.testing`. Where a name is defined may change.
+`rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
 """
 
 from importlib import import_module
@@ -190,7 +190,7 @@ if TYPE_CHECKING:
     )
 
 __version__: str
-"""The version of rosbase-core that is installed."""
+"""Version of rosbase-core that is installed."""
 
 __all__ = [
     "Autostart",
@@ -438,7 +438,7 @@ _PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
 
 
 def __getattr__(name: str) -> Any:
-    """Import each name when it is first asked for, so that the command line starts at once."""
+    """Import each name on first use, so that the command line starts at once."""
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("rosbase-core")
     elif name in _HOMES:

@@ -1,4 +1,5 @@
-"""The only readers of time. Everything else is given a clock, so that tests can turn it."""
+"""Clocks: the only code that reads time. Everything else is given a clock, which tests can control.
+"""
 
 import threading
 import time
@@ -15,7 +16,7 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 class Clock(Protocol):
-    """Tells the time, in two ways, and waits."""
+    """A clock: tells the date and a monotonic time, and waits."""
 
     def now(self) -> Time:
         """Return the date as a stamp; zero if ROS cannot carry it (`rosbase.messages.is_stamp`).
@@ -25,11 +26,14 @@ class Clock(Protocol):
         ...
 
     def now_ns(self) -> int:
-        """The date in nanoseconds since the Unix epoch."""
+        """Return the date in nanoseconds since the Unix epoch."""
         ...
 
     def monotonic_ns(self) -> int:
-        """Nanoseconds from an arbitrary start; never goes back. For intervals and deadlines."""
+        """Return nanoseconds from an arbitrary start, which never go back.
+
+        Use it for intervals and deadlines.
+        """
         ...
 
     def suspended_ns(self) -> int:
@@ -37,13 +41,13 @@ class Clock(Protocol):
         ...
 
     def sleep(self, seconds: float, /) -> None:
-        """Blocks for that long, whatever other threads do."""
+        """Block for `seconds`, whatever other threads do."""
         ...
 
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
-        """A function that waits for a lock, for so many seconds of this clock at most.
+        """Return a function that waits for a lock, for a limited number of seconds of this clock.
 
-        A loop asks for it once, so that a tick pays for nothing but the waiting.
+        Ask for it once before a loop, so that each tick only pays for the wait.
 
         Args:
             wakeup: A lock that another thread releases to end a wait.
@@ -68,13 +72,14 @@ class SystemClock:
 
     @staticmethod
     def suspended_ns() -> int:
-        """Return for how long the machine has slept since it was started; 0 but on Linux."""
+        """Return for how long the machine has slept since it was started; always 0 except on Linux.
+        """
         if not hasattr(time, "CLOCK_BOOTTIME"):
             return 0
         return time.clock_gettime_ns(time.CLOCK_BOOTTIME) - time.monotonic_ns()
 
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
-        """A function that waits for a lock, for so many seconds at most."""
+        """Return a function that waits for a lock, for a limited number of seconds."""
         return partial(wakeup.acquire, True)  # noqa: FBT003 - no names here
 
 
@@ -82,8 +87,8 @@ def date_fault(now_ns: int) -> str:
     """Return why a date cannot be a ROS stamp, in one line; empty if it can.
 
     Args:
-        now_ns: The date of this machine, in nanoseconds since the Unix epoch; or zero, which a
-            simulated clock says as long as nothing has been heard of it.
+        now_ns: The date of this machine, in nanoseconds since the Unix epoch. A simulated clock
+            says zero until the first time arrives.
     """
     if is_stamp(now_ns):
         return ""

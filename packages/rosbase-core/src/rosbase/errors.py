@@ -1,4 +1,4 @@
-"""What can go wrong, as a tree.
+"""Exceptions of rosbase, as a tree.
 
 ```
 RosbaseError
@@ -37,11 +37,11 @@ __all__ = [
 
 
 class RosbaseError(Exception):
-    """The root: catch this to catch everything that rosbase raises on purpose."""
+    """Root of the tree: catch it to catch everything that rosbase raises on purpose."""
 
 
 class ConfigurationError(RosbaseError):
-    """Something the user asked for cannot be done as asked. The message is one line."""
+    """A request of the user cannot be carried out. The message is one line."""
 
 
 class ParameterError(ConfigurationError):
@@ -49,7 +49,7 @@ class ParameterError(ConfigurationError):
 
 
 class NotInstalledError(ConfigurationError):
-    """A backend, transport or preset of that name is not there to be used."""
+    """A backend, transport or preset of that name is not installed."""
 
 
 class MappingError(ConfigurationError):
@@ -63,8 +63,8 @@ class BackendError(RosbaseError):
 class TransportError(RosbaseError):
     """The device cannot be opened, or has been lost.
 
-    `retryable` says whether trying the same again later can help, `passes_soon` whether it usually
-    does so within seconds, so that opening is given a few.
+    `retryable` says whether a later try can help. `passes_soon` says whether the error usually
+    passes within seconds, so that opening is tried for a few seconds.
     """
 
     retryable: bool = True
@@ -92,7 +92,7 @@ class NotADeviceError(TransportError):
 
 
 class TransitionNotAvailableError(RosbaseError):
-    """The lifecycle transition does not start at the present state. Nothing has changed."""
+    """The lifecycle transition does not start at the current state. Nothing has changed."""
 
 
 class HandshakeTimeoutError(RosbaseError):
@@ -100,4 +100,4 @@ class HandshakeTimeoutError(RosbaseError):
 
 
 class PluginError(RosbaseError):
-    """A plugin registered something that is not what the hook asks for."""
+    """A plugin registered something that the hook does not accept."""

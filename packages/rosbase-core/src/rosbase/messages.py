@@ -1,7 +1,7 @@
 """Messages, with the names, units and conventions of ROS 2, and without ROS.
 
-They are immutable: one object is handed to every subscriber, on any thread, without a
-copy. Use `attrs.evolve(message, ...)` for a changed one.
+Messages are immutable: every subscriber gets the same object, on any thread, without a copy. To
+change one, use `attrs.evolve(message, ...)`.
 
 Sources: common_interfaces (`sensor_msgs`, `geometry_msgs`, `std_msgs`, `diagnostic_msgs`),
 REP-103 (units), REP-145 (IMU drivers).
@@ -41,22 +41,22 @@ Covariance: TypeAlias = tuple[float, float, float, float, float, float, float, f
 """A 3 x 3 matrix, row-major about x, y, z, in the squared unit of its quantity."""
 
 COVARIANCE_UNKNOWN: Covariance = (0.0,) * 9
-"""The quantity is there; how good it is, is not known (sensor_msgs/Imu)."""
+"""Covariance of a quantity whose accuracy is not known (sensor_msgs/Imu)."""
 
 COVARIANCE_NOT_REPORTED: Covariance = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-"""The quantity is not measured at all; its values mean nothing (sensor_msgs/Imu)."""
+"""Covariance of a quantity that is not measured; its values mean nothing (sensor_msgs/Imu)."""
 
 _NS_PER_S = 1_000_000_000
 
 STAMPS_END_NS = 2**31 * _NS_PER_S
-"""Nanoseconds since the Unix epoch at which ROS stamps end: 2038-01-19 03:14:08 UTC.
+"""End of ROS stamps, in nanoseconds since the Unix epoch: 2038-01-19 03:14:08 UTC.
 
 The seconds of builtin_interfaces/Time are an int32.
 """
 
 
 def is_stamp(nanoseconds: int) -> bool:
-    """Tell whether a ROS stamp can carry a time, in nanoseconds since the Unix epoch.
+    """Return whether a ROS stamp can carry a time, in nanoseconds since the Unix epoch.
 
     rcl and DDS take no time before 1970, although an int32 has room for it, and zero means that
     there is no time yet.
@@ -80,7 +80,7 @@ class Time:
 
     @classmethod
     def from_nanoseconds(cls, nanoseconds: int) -> "Time":
-        """The time that many nanoseconds after the epoch."""
+        """Return the time that many nanoseconds after the epoch."""
         return cls(*divmod(nanoseconds, _NS_PER_S))
 
     @classmethod
@@ -90,17 +90,17 @@ class Time:
 
     @property
     def nanoseconds(self) -> int:
-        """All of it, in nanoseconds since the epoch."""
+        """Nanoseconds since the epoch."""
         return self.sec * _NS_PER_S + self.nanosec
 
     def to_msg(self) -> "Time":
-        """Itself: rclpy's clock needs this call, so programs written for it make it."""
+        """Return the object itself: programs for rclpy's clock call this method."""
         return self
 
 
 @frozen
 class Header:
-    """When and in which frame something was measured (std_msgs/Header)."""
+    """Time and frame of a measurement (std_msgs/Header)."""
 
     stamp: Time = Time()
     """Time of measurement."""
@@ -117,7 +117,7 @@ class Bool:
 
 @frozen
 class String:
-    """A text (std_msgs/String)."""
+    """Text (std_msgs/String)."""
 
     data: str = ""
 
@@ -143,7 +143,7 @@ class Quaternion:
 
 @frozen
 class Point:
-    """A place in a frame, in metres (geometry_msgs/Point)."""
+    """Position in a frame, in metres (geometry_msgs/Point)."""
 
     x: float = 0.0
     y: float = 0.0
@@ -152,7 +152,7 @@ class Point:
 
 @frozen
 class PointStamped:
-    """A place, when it was there, and in which frame (geometry_msgs/PointStamped)."""
+    """Position with its time and frame (geometry_msgs/PointStamped)."""
 
     header: Header = Header()
     point: Point = Point()
@@ -160,7 +160,7 @@ class PointStamped:
 
 @frozen
 class Pose:
-    """Where something is, and how it is turned (geometry_msgs/Pose)."""
+    """Position and orientation (geometry_msgs/Pose)."""
 
     position: Point = Point()
     """In metres."""
@@ -170,7 +170,7 @@ class Pose:
 
 @frozen
 class PoseStamped:
-    """A pose, when it was so, and in which frame (geometry_msgs/PoseStamped)."""
+    """Pose with its time and frame (geometry_msgs/PoseStamped)."""
 
     header: Header = Header()
     pose: Pose = Pose()
@@ -178,7 +178,7 @@ class PoseStamped:
 
 @frozen
 class Twist:
-    """How fast something moves and turns, or should (geometry_msgs/Twist)."""
+    """Velocity, measured or commanded (geometry_msgs/Twist)."""
 
     linear: Vector3 = Vector3()
     """m/s; forward, left and up for a robot."""
@@ -188,7 +188,7 @@ class Twist:
 
 @frozen
 class Joy:
-    """What a joystick's axes and buttons are at (sensor_msgs/Joy)."""
+    """Axes and buttons of a joystick (sensor_msgs/Joy)."""
 
     header: Header = Header()
     axes: tuple[float, ...] = ()
@@ -199,9 +199,9 @@ class Joy:
 
 @frozen
 class JointState:
-    """The joints of a robot (sensor_msgs/JointState).
+    """Joints of a robot (sensor_msgs/JointState).
 
-    Each tuple has one element per name, or is empty where that is not known.
+    Each tuple has one element per name, or is empty if the quantity is not known.
     """
 
     header: Header = Header()
@@ -224,7 +224,7 @@ class Imu:
 
     header: Header = Header()
     orientation: Quaternion = Quaternion()
-    """The sensor frame as seen from the world frame (ENU), a unit quaternion."""
+    """Orientation of the sensor frame in the world frame (ENU), a unit quaternion."""
     orientation_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
     """rad^2, about x, y, z."""
     angular_velocity: Vector3 = Vector3()
@@ -250,7 +250,7 @@ class MagneticField:
 
 @frozen
 class KeyValue:
-    """A finding and its name (diagnostic_msgs/KeyValue)."""
+    """Name and value of a detail (diagnostic_msgs/KeyValue)."""
 
     key: str = ""
     value: str = ""
@@ -258,30 +258,30 @@ class KeyValue:
 
 @frozen
 class DiagnosticStatus:
-    """How one part of the robot is (diagnostic_msgs/DiagnosticStatus)."""
+    """Status of one part of the robot (diagnostic_msgs/DiagnosticStatus)."""
 
     OK: ClassVar[int] = 0
     WARN: ClassVar[int] = 1
     ERROR: ClassVar[int] = 2
     STALE: ClassVar[int] = 3
-    """Nothing has been heard of it for too long."""
+    """No news of it for too long."""
 
     level: int = OK
-    """One of the above; ROS has it as a byte."""
+    """One of the levels above; ROS has it as a byte."""
     name: str = ""
-    """Of the part."""
+    """Name of the part."""
     message: str = ""
-    """What is the matter, for a person."""
+    """Description for a person."""
     hardware_id: str = ""
-    """Of the device, a serial number for one."""
+    """Identity of the device, such as a serial number."""
     values: tuple[KeyValue, ...] = ()
-    """More about it."""
+    """Further details."""
 
 
 @frozen
 class DiagnosticArray:
-    """How several parts of the robot are (diagnostic_msgs/DiagnosticArray)."""
+    """Status of several parts of the robot (diagnostic_msgs/DiagnosticArray)."""
 
     header: Header = Header()
-    """When that was so; the frame is not used."""
+    """Time of the status; the frame is not used."""
     status: tuple[DiagnosticStatus, ...] = ()

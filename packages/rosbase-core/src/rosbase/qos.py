@@ -1,4 +1,4 @@
-"""Quality of service: how many messages a topic keeps, for whom, and who hears whom. Pure.
+"""Quality of service: how many messages a topic keeps, and which subscriptions they reach. Pure.
 
 Names, numbers and defaults are those of ROS 2
 (https://docs.ros.org/en/jazzy/Concepts/Intermediate/About-Quality-of-Service-Settings.html).
@@ -50,17 +50,17 @@ def _is_depth(value: Any) -> bool:
 
 @frozen
 class QoSProfile:
-    """What a publisher offers, or a subscription asks for; by default as in ROS 2.
+    """Profile that a publisher offers or a subscription asks for; by default as in ROS 2.
 
-    `QoSProfile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)` is what ROS 1 called a latched
-    topic: whoever comes late gets the last message first.
+    `QoSProfile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)` makes a latched topic, as in
+    ROS 1: a late subscription gets the last message first.
 
     Raises:
-        ValueError: The depth is not a whole number from 1 up, or a policy is none.
+        ValueError: The depth is not a whole number from 1 up, or a policy is unknown.
     """
 
     depth: int = field(default=10)
-    """How many messages are kept, if not all: for the callback, and for whoever comes late."""
+    """Number of messages to keep, if not all: for the callback, and for late subscriptions."""
     # By their numbers: those of rclpy are as good.
     reliability: ReliabilityPolicy = field(
         kw_only=True, default=ReliabilityPolicy.RELIABLE, converter=ReliabilityPolicy
@@ -78,7 +78,7 @@ class QoSProfile:
 
     @property
     def queue_depth(self) -> int:
-        """How many messages may be kept: `depth`, or any number of a history that keeps all."""
+        """Number of messages that may be kept: `depth`, or unlimited if the history keeps all."""
         return sys.maxsize if self.history is HistoryPolicy.KEEP_ALL else self.depth
 
     @property
@@ -88,11 +88,11 @@ class QoSProfile:
 
 
 qos_profile_sensor_data = QoSProfile(5, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""For what is outdated by the next message: a short queue, and nothing is sent again."""
+"""Profile for data that the next message outdates: a short queue, and nothing is sent again."""
 
 
 def as_profile(qos_profile: Any, topic: str) -> QoSProfile:
-    """The profile: a whole number is the depth of a reliable, volatile topic.
+    """Return the profile: a whole number is the depth of a reliable, volatile topic.
 
     Raises:
         BackendError: It is neither a depth nor a profile.
@@ -108,7 +108,7 @@ def as_profile(qos_profile: Any, topic: str) -> QoSProfile:
 
 
 def mismatch(offered: QoSProfile, asked: QoSProfile) -> str:
-    """Why a subscription gets nothing from a publisher; empty if it does. The rule is DDS's.
+    """Return why a subscription gets nothing from a publisher; empty if it does. The rule is DDS's.
 
     Args:
         offered: The publisher's profile.

@@ -1,53 +1,54 @@
-"""The backend contract: what connects a manager or a lone node to the world.
+"""The backend contract: connects a manager or a standalone node to the outside world.
 
 Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `destroy_subscription`, `declare_parameter`, `get_parameter`, `set_parameters`,
 `add_on_set_parameters_callback`, `close`.
 
-May implement, where the world has more to it than this process: `delivers_in_process`,
-`log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `expose_lifecycle`,
-`imu_sender`, `create_timer`, `destroy_timer`.
+May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
+`log_name`, `has_console_log`, `begin_run`, `end_run`, `expose_lifecycle`, `imu_sender`,
+`create_timer`, `destroy_timer`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
-Never override, because it is the executor's: `executor`, `call_soon`, `spin_once`, `spin_until`,
+Never override, because the executor sets them: `executor`, `call_soon`, `spin_once`, `spin_until`,
 `is_in_virtual_time`.
 
-`rosbase.testing.backend_contract` checks all of this. What a backend can do that not every one can
-is declared there, not guessed.
+`rosbase.testing.backend_contract` checks all of this. Optional abilities of a backend are declared
+there, not guessed.
 
-Threads: one thread spins the executor, and every callback runs on it. What arrives on threads
-of the backend's own is handed over with `call_soon`. Whoever has a backend may call it from any
-thread, but for spinning and `close`: those are for one thread, and `close` is not for callbacks.
-`call_soon` may be called from a signal handler too.
+Threads: one thread spins the executor, and every callback runs on it. The backend hands over data
+from its own threads with `call_soon`. A backend may be called from any thread, except for spinning
+and `close`. Those belong to one thread, and a callback must not call `close`. `call_soon` may be
+called from a signal handler too.
 
-Waiting: `publish` and `call_soon` wait for nobody. Creating, destroying and declaring may wait for
-the backend's own threads, `close` for what is on its way as well: none for more than some seconds,
-whatever the world does.
+Waiting: `publish` and `call_soon` never wait. Creating, destroying and declaring may wait for the
+backend's own threads. `close` may also wait for messages on their way. None waits for more than
+some seconds, whatever the other side does.
 
-Names: that of the node is one that ROS takes (`Backend.__init__` checks it).
+Names: ROS accepts the name of the node (`Backend.__init__` checks it).
 
-Topics: names are those of ROS (`rosbase.resolve_topic`). Every class of `rosbase.messages` can be
-sent, and arrives equal to what was sent; what else can be is the backend's to say. Every
-subscription of a topic hears every publisher of it that matches, those of the same backend and of
-others in the same process included. The two may take a while to find each other: what is published
-before is for TRANSIENT_LOCAL alone. What one publisher sends arrives in order, and also when it is
-destroyed, or its backend closed, right after; once it has ended, `publish` and the senders made of
-it send nothing, and that is no error, because another thread may have ended it.
+Topics: names follow the rules of ROS (`rosbase.resolve_topic`). Every class of `rosbase.messages`
+can be sent, and arrives equal to the message sent; a backend may support more types. Every
+subscription of a topic hears every matching publisher, including those of the same backend and of
+others in the same process. The two may take a while to find each other; only TRANSIENT_LOCAL
+delivers messages published before. The messages of one publisher arrive in order. They also arrive
+if the publisher is destroyed, or its backend closed, right after. Once the publisher has ended,
+`publish` and the senders made of it send nothing. That is no error, because another thread may
+have ended it.
 
 Quality of service: a whole number means `QoSProfile(depth)`, as `rosbase.qos.as_profile` has it,
-and a backend may take profiles of its world's own too. Of each policy a backend keeps this:
+and a backend may accept its own profiles too. A backend keeps each policy as follows:
 
-- depth, KEEP_LAST: the last so many messages wait for the callback; older ones are dropped and
+- depth, KEEP_LAST: the last `depth` messages wait for the callback; older ones are dropped and
   counted. KEEP_ALL: none is dropped.
 - TRANSIENT_LOCAL: a publisher keeps its last `depth` messages, or all, as long as it lives. A
-  subscription that asks for them gets them when it comes: in order, before what is published
-  later, none twice and none left out. VOLATILE: it gets what is published from then on.
-- RELIABLE: a message is lost to the depth alone. BEST_EFFORT: it may be lost on the way.
+  subscription that asks for them gets them when it starts: in order, before later messages, none
+  twice and none left out. VOLATILE: it gets messages published from then on.
+- RELIABLE: a message is lost only if the queue is full. BEST_EFFORT: it may be lost on the way.
 - A subscription gets nothing from a publisher that offers less than it asks for
   (`rosbase.qos.mismatch`), and a warning says so.
 
-Errors are one line, which names the topic, the parameter or the value.
+Error messages are one line that names the topic, the parameter or the value.
 """
 
 import logging
@@ -74,117 +75,135 @@ MessageT = TypeVar("MessageT")
 
 
 class Publisher(Protocol):
-    """Sends messages to a topic."""
+    """A publisher: sends messages to a topic."""
 
     @property
     def topic(self) -> str:
-        """The full name of the topic, such as `/imu/data`."""
+        """Full name of the topic, such as `/imu/data`."""
         ...
 
     def publish(self, message: Any) -> object:
-        """Hand the message to every subscription. From any thread; does not wait for them.
+        """Hand the message to every subscription, without waiting for them.
+
+        Call it from any thread.
 
         Nothing is sent once the publisher has ended.
 
         Returns:
-            False if the world did not take the message, as DDS does not at some dates of the
-            machine; the log says why. That is no exception, because no program can mend it.
+            False if the backend did not take the message; the log says why. DDS, for example,
+            refuses some dates of the machine. No exception is raised, because no program can fix
+            it.
 
         Raises:
             TypeError: The message is not of the topic's type, or a field has a value of another.
-            ValueError: A value does not fit into its field in the backend's world.
+            ValueError: A value does not fit into its field in the backend.
         """
         ...
 
 
 class Subscription(Protocol):
-    """Receives the messages of a topic."""
+    """A subscription: receives the messages of a topic."""
 
     @property
     def topic(self) -> str:
-        """The full name of the topic."""
+        """Full name of the topic."""
         ...
 
     @property
     def dropped(self) -> int:
-        """How many messages were lost because the callback was slower than the publisher.
+        """Number of messages lost because the callback was slower than the publisher.
 
-        What the world lost before the backend had it is not counted.
+        Messages lost before they reached the backend are not counted.
         """
         ...
 
 
 class Timer(Protocol):
-    """Calls back again and again. The names are those of rclpy's timer. From any thread."""
+    """A timer: calls a function periodically.
+
+    Its methods have rclpy's names and work from any thread.
+    """
 
     def cancel(self) -> None:
-        """Stops it, until `reset`."""
+        """Stop the timer, until `reset`."""
         ...
 
     def reset(self) -> None:
-        """Starts it again: the next call is one period from now. Not once it is destroyed."""
+        """Restart the timer: the next call is one period from now. Do nothing once it is destroyed.
+        """
         ...
 
     def is_canceled(self) -> bool:
-        """Whether it is stopped."""
+        """Return whether the timer is stopped."""
         ...
 
 
 @frozen
 class BackendOptions:
-    """What a backend is opened with."""
+    """Options for opening a backend."""
 
     node_name: str
-    """The name under which the world sees it."""
+    """Name of the node, as other programs see it."""
     parameter_overrides: Mapping[str, ParameterValue] = field(factory=dict)
-    """Values that win over the defaults of the parameters declared later."""
+    """Values that override the defaults of the parameters declared later."""
     clock: Clock = field(factory=SystemClock)
-    """Where the time comes from, where the backend has no clock of its own."""
+    """Clock for a backend that has none of its own."""
     is_child: bool = False
-    """Whether a manager has started this process. What its command line says of the name of the
-    node is meant for the manager then."""
+    """Whether a manager has started this process.
+
+    If so, a node name on its command line is for the manager.
+    """
 
 
 class Backend(ABC):
-    """A connection to the world, for one manager or one lone node."""
+    """A connection to the outside world, for one manager or one standalone node."""
 
     delivers_in_process = False
-    """Whether messages get to this process's own subscriptions without leaving it, so that
-    listening costs next to nothing."""
+    """Whether messages reach this process's own subscriptions without leaving it.
+
+    Listening costs next to nothing then.
+    """
 
     def __init__(self, clock: Clock, node_name: str) -> None:
-        """Starts with an executor that nobody spins yet.
+        """Start with an executor that nobody spins yet.
 
         Raises:
-            BackendError: The name is none that ROS would take for a node.
+            BackendError: ROS would refuse the name for a node.
         """
         check_node_name(node_name)
         self.node_name = node_name
-        """The name under which the world sees it, its namespace in front if there is one."""
+        """Name of the node as other programs see it, with its namespace in front if there is one.
+        """
         self.clock = clock
-        """The clock for stamps. Its date is the world's, where the world has one of its own; its
-        monotonic time is always that of `executor.clock`."""
+        """Clock for stamps.
+
+        Its date may come from the backend; its monotonic time is always that of
+        `executor.clock`.
+        """
         self.executor = Executor(clock)
-        """What runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
+        """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
-        """Has the spinning thread call a function. From any thread, and from signal handlers."""
+        """Ask the spinning thread to call a function. Call it from any thread or signal handler."""
         self.spin_once = self.executor.spin_once
-        """Handles one callback, waiting for one so many seconds; tells whether there was one.
-        What it raises is raised here."""
+        """Handle one callback; return whether there was one.
+
+        It waits for a callback up to the given number of seconds. Exceptions of the
+        callback are raised here.
+        """
         self.spin_until = self.executor.spin_until
-        """Handles callbacks as they come, until a deadline on the monotonic clock."""
+        """Handle callbacks as they come, until a deadline on the monotonic clock."""
         self.is_in_virtual_time = not isinstance(clock, SystemClock)
-        """Whether deadlines are those of a test's clock, not of this machine's."""
+        """Whether deadlines follow a test's clock instead of this machine's."""
 
     @abstractmethod
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
     ) -> Publisher:
-        """A publisher that offers what the profile says.
+        """Create a publisher that offers the given profile.
 
         Raises:
-            BackendError: The topic has another type, the name is not one, the profile is none,
-                or the backend is closed.
+            BackendError: The topic has another type, the name or the profile is invalid, or the
+                backend is closed.
         """
 
     @abstractmethod
@@ -195,34 +214,40 @@ class Backend(ABC):
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile,
     ) -> Subscription:
-        """A subscription that asks for what the profile says.
+        """Create a subscription that asks for the given profile.
 
         Raises:
-            BackendError: The topic has another type, the name is not one, the profile is none,
-                or the backend is closed.
+            BackendError: The topic has another type, the name or the profile is invalid, or the
+                backend is closed.
         """
 
     @abstractmethod
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher of this backend: what it sent arrives. Harmless when it has ended."""
+        """Destroy a publisher of this backend; sent messages still arrive.
+
+        Do nothing if it has ended.
+        """
 
     @abstractmethod
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Ends a subscription: its callback is not called again. Harmless when it has ended."""
+        """Destroy a subscription: its callback is not called again. Do nothing if it has ended."""
 
     @abstractmethod
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        """Makes a parameter known, with its override if there is one, else its default.
+        """Declare a parameter, with its override if there is one, else its default.
 
-        The value is of the spec's kind: 5 for a number is 5.0. What is refused stays undeclared.
+        The value is of the spec's kind: 5 for a number is 5.0. A refused parameter stays
+        undeclared.
 
         Raises:
-            ParameterError: It is declared already, or the override is not a value of it.
+            ParameterError: It is declared already, or the override is not a valid value.
         """
 
     @abstractmethod
     def get_parameter(self, name: str) -> Parameter:
-        """The parameter as it is now, also where the world may set it, but for wrong values.
+        """Return the parameter with its current value.
+
+        Values set from outside count, unless they are invalid.
 
         Raises:
             ParameterError: It has not been declared.
@@ -230,73 +255,84 @@ class Backend(ABC):
 
     @abstractmethod
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all of them, or none: one that is undeclared, read-only or wrong is refused.
+        """Set all parameters, or none: one that is undeclared, read-only or wrong is refused.
 
-        Each keeps its declared type. For the spinning thread.
+        Each keeps its declared type. Call it on the spinning thread.
         """
 
     @abstractmethod
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` on the spinning thread before parameters are set, from wherever."""
+        """Ask `callback` on the spinning thread before parameters are set, from any source."""
 
     @abstractmethod
     def close(self) -> None:
-        """Ends everything that was created, and every thread of the backend's own.
+        """Close everything that was created, and end every thread of the backend.
 
-        Idempotent, and bounded in time. What was published arrives, if the other side lets it
-        within a moment; nothing is called back afterwards, and destroying is harmless.
+        Idempotent, and bounded in time. Published messages arrive, if the other side takes
+        them within a moment. Afterwards no callback is called, and destroying is harmless.
         """
 
     # May implement.
 
     log_handler: logging.Handler | None = None
-    """Given every record of the backend's manager or lone node, beside the console, from any
-    thread; where the application has set up no logging, its level is the least for both. The
-    message is one line of printable characters, with a traceback indented below it. It must
-    raise nothing, also after `close`. Set before the constructor returns."""
+    """Handler for every record of the backend's manager or standalone node, beside the console.
+
+    It is called from any thread. If the application has set up no logging, its level is the
+    minimum for both. The message is one line of printable characters, with a traceback
+    indented below it. The handler must never raise, even after `close`. Set it before the
+    constructor returns.
+    """
 
     log_name: str | None = None
-    """What the world calls the logger of the backend's manager or lone node, such as
-    `robot.left`; None stands for the name of the role. Set before the constructor returns."""
+    """Name of the logger of the backend's manager or standalone node, such as `robot.left`.
+
+    None stands for the name of the role. Set it before the constructor returns.
+    """
 
     has_console_log: bool = True
-    """Whether records go to the console, where the application has set up no logging. Set before
-    the constructor returns."""
+    """Whether records go to the console if the application has set up no logging.
+
+    Set it before the constructor returns.
+    """
 
     def begin_run(self, request_stop: Callable[[], object]) -> None:  # noqa: B027 - as below
-        """Note that a manager or lone node begins to spin.
+        """Note that a manager or standalone node begins to spin.
 
         Args:
-            request_stop: For a world that can end a program: ends it in order. From any thread.
+            request_stop: Ends the program in order, for a backend that can end it. Call it from
+                any thread.
         """
 
     def end_run(self) -> None:  # noqa: B027 - as below
-        """End what keeps the rest of the program going in the same world, beside this backend.
+        """End whatever else keeps the program running on the same middleware.
 
-        Called when a manager or lone node ends: before its clean-up if it was told to from outside
-        the program, otherwise after `close`; and when a signal ends its constructor.
+        Called when a manager or standalone node ends: before its clean-up if it was
+        stopped from outside the program, otherwise after `close`. Also called when a
+        signal ends its constructor.
         """
 
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
-        """Lets the outside see and drive the lifecycle of a node of this backend.
+        """Let other programs see and drive the lifecycle of a node of this backend.
 
-        Called once for each, when it is built; the node is unconfigured then. A world that can
-        have but one for each backend shows the first, and a warning says so of any other.
+        Called once for each node, when it is built and unconfigured. A backend that can
+        show only one shows the first, and logs a warning for each of the others.
         """
 
     def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
-        """What publishes samples that are like `template` but for their stamp and numbers.
+        """Create a sender of samples that differ from `template` only in stamp and numbers.
 
-        A backend that can send them without building a message for each overrides it; what
-        arrives is the same. What it gives may be called from any thread, one at a time.
+        Override it in a backend that can send samples without building a message for each;
+        the received messages are the same. The sender may be called from any thread, by
+        one at a time.
         """
         return message_sender(publisher.publish, template)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """A timer with absolute deadlines; calls that were missed are skipped, not caught up.
+        """Create a timer with absolute deadlines; missed calls are skipped, not caught up.
 
-        The first call is one period from now. Deadlines are on the monotonic clock, unless the
-        world has a time of its own that timers should follow, such as that of a simulation.
+        The first call is one period from now. Deadlines are on the monotonic clock, unless
+        the backend has a time of its own that timers should follow, such as simulated
+        time.
 
         Raises:
             ValueError: The period is not a positive, finite number of seconds.
@@ -305,13 +341,13 @@ class Backend(ABC):
         return self.executor.create_timer(timer_period_ns(period_s), callback)
 
     def destroy_timer(self, timer: Timer) -> None:
-        """Ends a timer of this backend; harmless when it has ended."""
+        """Destroy a timer of this backend. Do nothing if it has ended."""
         if isinstance(timer, ExecutorTimer):
             timer.destroy()
 
 
 def timer_period_ns(period_s: float) -> int:
-    """The period of a timer in nanoseconds.
+    """Return the period of a timer in nanoseconds.
 
     Raises:
         ValueError: The period is not a positive, finite number of seconds.

@@ -1,12 +1,12 @@
-"""The contract of checks: what `rosbase doctor` gives one, and what it finds.
+"""The contract of checks: the context that `rosbase doctor` passes to a check, and its findings.
 
-A check gives findings, one after another, and may wait for what it asks. Each runs on a thread
-of its own, at the same time as the others, and has some seconds: one that takes longer is left
-behind, and one that raises is shown as broken, and neither harms the others.
+A check yields findings, one after another, and may wait for answers. Each check runs on its own
+thread, at the same time as the others, and has some seconds. A check that takes longer is left
+behind, and one that raises is shown as broken. Neither harms the others.
 
-Must: say what to do about whatever is not as it should be; leave everything as it was, because a
-program may be at work meanwhile. Must not: write to stdout or stderr; end the process, which a
-library may do, so one that does is asked from a child process.
+A check must give advice for every fault, and leave everything as it was, because a program may be
+running meanwhile. It must not write to stdout or stderr, or end the process. If a library may end
+the process, call it in a child process.
 """
 
 from collections.abc import Mapping
@@ -22,15 +22,15 @@ __all__ = ["CheckContext", "Finding", "Outcome"]
 
 
 class Outcome(Enum):
-    """How something is."""
+    """Outcome of a finding."""
 
     OK = "ok"
     WARN = "warn"
-    """It may be meant so, or may matter later."""
+    """A possible problem: it may be intended, or may matter later."""
     FAIL = "fail"
-    """What the user asks for cannot work."""
+    """A request of the user cannot work."""
     SKIP = "skip"
-    """It has not been looked at, or the user does without it."""
+    """Not checked, or not needed by the user."""
 
 
 def _says_what_to_do(instance: "Finding", attribute: "Attribute[str]", value: str) -> None:
@@ -40,29 +40,29 @@ def _says_what_to_do(instance: "Finding", attribute: "Attribute[str]", value: st
 
 @frozen
 class Finding:
-    """One thing that a check has found, as one line, and what to do about it, as another."""
+    """Finding of a check in one line, with one line of advice."""
 
     outcome: Outcome
     text: str = field(converter=one_line)
-    """What is so."""
+    """The finding."""
     advice: str = field(default="", converter=one_line, validator=_says_what_to_do)
-    """What the user may do, best a command. Never missing where the outcome is WARN or FAIL."""
+    """Advice for the user, best a command. Never missing where the outcome is WARN or FAIL."""
 
 
 @frozen
 class CheckContext:
-    """What a check is given."""
+    """Context that a check receives."""
 
     clock: Clock
     values: Mapping[str, ParameterValue]
-    """The parameters of a reader and of the installed transports, as given or by default."""
+    """Parameters of a reader and of the installed transports, as given or by default."""
     given: frozenset[str] = frozenset()
-    """The names of those that the user has given."""
+    """Names of the parameters that the user has given."""
 
     def asks_for(self, transport: str, parameter: str) -> bool:
-        """Whether the user has named that transport, or the device that is this parameter of it.
+        """Return whether the user asked for that transport, or for the device in this parameter.
 
-        What nobody has asked for and is not there is no fault.
+        Something that is absent is no fault if nobody asked for it.
         """
         is_chosen = "comm_t" in self.given and self.values["comm_t"] == transport
         return is_chosen or parameter in self.given

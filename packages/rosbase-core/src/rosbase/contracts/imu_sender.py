@@ -1,4 +1,4 @@
-"""Samples of an IMU on their way out: what is the same in all of them is prepared once."""
+"""IMU senders: publish samples, and prepare once the parts that all samples share."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
@@ -10,16 +10,20 @@ __all__ = ["ImuSender", "message_sender"]
 ImuSender: TypeAlias = Callable[[int, Sequence[float], Sequence[float], Sequence[float]], object]
 """`send(stamp_ns, orientation, angular_velocity, linear_acceleration)`: publishes one sample.
 
-It returns False if the world did not take the sample, as `Publisher.publish` does.
+It returns False if the backend did not take the sample, as `Publisher.publish` does.
 
-The stamp is in nanoseconds since the epoch and fits into a ROS stamp (`rosbase.messages.is_stamp`).
-Orientation is x, y, z, w of a unit quaternion, the others are x, y, z in rad/s and m/s^2. All are
-finite floats, because the caller has checked them, so nobody need check again.
+The stamp is in nanoseconds since the epoch and fits into a ROS stamp
+(`rosbase.messages.is_stamp`). Orientation is x, y, z, w of a unit quaternion, the others are x, y,
+z in rad/s and m/s^2. All are finite floats: the caller has checked them, so the sender need not
+check again.
 """
 
 
 def message_sender(publish: Callable[[Imu], object], template: Imu) -> ImuSender:
-    """What publishes a message for each sample; frame and covariances are the template's."""
+    """Return a sender that publishes a message per sample.
+
+    Frame and covariances are those of the template.
+    """
     frame_id = template.header.frame_id
     of_orientation = template.orientation_covariance
     of_velocity = template.angular_velocity_covariance

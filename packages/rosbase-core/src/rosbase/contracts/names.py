@@ -11,10 +11,11 @@ from rosbase.errors import BackendError
 __all__ = ["MAX_NODE_LENGTH", "MAX_TOPIC_LENGTH", "check_node_name", "resolve_topic"]
 
 MAX_TOPIC_LENGTH = 247
-"""Characters of a full topic name: what DDS allows, less the prefix that ROS adds (rmw)."""
+"""Maximum length of a full topic name: the limit of DDS, less the prefix that ROS adds (rmw)."""
 
 MAX_NODE_LENGTH = MAX_TOPIC_LENGTH - len("//set_parameters_atomically")
-"""Characters of the name of a node: with more, its longest service has no name any more."""
+"""Maximum length of a node name: a longer one leaves no room for the name of its longest service.
+"""
 
 _SUBSTITUTION = re.compile(r"\{(\w*)\}", re.ASCII)
 _FOREIGN = re.compile(r"[^A-Za-z0-9_/~{}]")
@@ -23,10 +24,10 @@ _SHOWN = 60
 
 
 def check_node_name(name: str) -> None:
-    """Refuse the name of a node that ROS would refuse.
+    """Refuse a node name that ROS would refuse.
 
     Raises:
-        BackendError: It cannot be one; the line says why.
+        BackendError: The name is invalid; the message says why.
     """
     if not isinstance(name, str):
         raise BackendError(f"{name!r} is not a node name: it is not text")
@@ -57,7 +58,7 @@ def resolve_topic(topic: str, node_name: str) -> str:
         node_name: The name of the node, its namespace in front if there is one.
 
     Raises:
-        BackendError: It is not a topic name; the line says why.
+        BackendError: It is not a topic name; the message says why.
     """
     if not isinstance(topic, str):
         raise BackendError(f"{topic!r} is not a topic name: it is not text")
@@ -77,7 +78,7 @@ def resolve_topic(topic: str, node_name: str) -> str:
 
 
 def _given_fault(topic: str) -> str:
-    """Return why the name cannot be one, whatever the node is called; empty if it can."""
+    """Return why the name is invalid for every node; empty if it is valid."""
     if not topic:
         return "it is empty"
     if foreign := _FOREIGN.search(topic):
@@ -88,7 +89,7 @@ def _given_fault(topic: str) -> str:
 
 
 def _full_fault(name: str) -> str:
-    """Return why a full name cannot be one; empty if it can."""
+    """Return why a full name is invalid; empty if it is valid."""
     if "{" in name or "}" in name:
         return "{...} is one of {node}, {ns} and {namespace}"
     if _FOREIGN.search(name):

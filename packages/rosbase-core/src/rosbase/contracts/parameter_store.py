@@ -16,11 +16,11 @@ from rosbase.parameters import (
 __all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "name_undeclared", "refused"]
 
 OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
-"""Gives a `SetParametersResult`, or rclpy's, for parameters that are about to be set."""
+"""Callback that returns a `SetParametersResult`, or rclpy's, for parameters about to be set."""
 
 
 class ParameterRules:
-    """What each declared parameter may be, and who may refuse a change."""
+    """Rules for the values of each declared parameter, and callbacks that may refuse a change."""
 
     def __init__(self) -> None:
         """Start without a parameter."""
@@ -28,16 +28,16 @@ class ParameterRules:
         self._callbacks: list[OnSetParameters] = []
 
     def add(self, spec: ParameterSpec) -> None:
-        """Take a parameter that has been declared."""
+        """Add a declared parameter."""
         self._specs[spec.name] = spec
 
     def find(self, name: str) -> ParameterSpec | None:
-        """Return what a parameter was declared as; None if it was not."""
+        """Return the declaration of a parameter; None if it was not declared."""
         return self._specs.get(name)
 
     @property
     def has_callbacks(self) -> bool:
-        """Whether anybody is asked before parameters are set."""
+        """Whether any callback is asked before parameters are set."""
         return bool(self._callbacks)
 
     def add_callback(self, callback: OnSetParameters) -> None:
@@ -48,7 +48,7 @@ class ParameterRules:
         """Return the parameters as values of their declared types.
 
         Raises:
-            ParameterError: One is undeclared, read-only or no value of its type.
+            ParameterError: One is undeclared, read-only or has a value of another type.
         """
         checked: list[Parameter] = []
         for parameter in parameters:
@@ -76,17 +76,17 @@ class ParameterStore(ParameterRules):
         """Start without a parameter.
 
         Args:
-            overrides: Values that win over the defaults of the parameters declared later.
+            overrides: Values that override the defaults of the parameters declared later.
         """
         super().__init__()
         self._overrides = overrides
         self._values: dict[str, Parameter] = {}
 
     def declare(self, spec: ParameterSpec) -> Parameter:
-        """Make a parameter known, with its override if there is one.
+        """Declare a parameter, with its override if there is one.
 
         Raises:
-            ParameterError: It is declared already, or the override is not a value of it.
+            ParameterError: It is declared already, or the override is not a valid value.
         """
         if self.find(spec.name) is not None:
             raise ParameterError(f"parameter {spec.name} is declared twice")
@@ -96,11 +96,11 @@ class ParameterStore(ParameterRules):
         return self._values[spec.name]
 
     def name_undeclared(self, warn: Callable[[str], object]) -> None:
-        """Warn of overrides that no parameter has taken."""
+        """Warn of overrides for parameters that were never declared."""
         name_undeclared(self._overrides, self._values, warn)
 
     def get(self, name: str) -> Parameter:
-        """Return the parameter as it is now.
+        """Return the parameter with its current value.
 
         Raises:
             ParameterError: It has not been declared.
@@ -111,7 +111,7 @@ class ParameterStore(ParameterRules):
             raise ParameterError(f"parameter {name} has not been declared") from None
 
     def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all of them, or none if one is refused."""
+        """Set all parameters, or none if one is refused."""
         try:
             checked = self.check(parameters)
         except ParameterError as error:
@@ -125,7 +125,7 @@ class ParameterStore(ParameterRules):
 def name_undeclared(
     given: Iterable[str], declared: Iterable[str], warn: Callable[[str], object]
 ) -> None:
-    """Warn of parameters that are given to a node which has declared no such parameter.
+    """Warn of parameters that are given to a node but that it never declared.
 
     Args:
         given: The names of the parameters that are given.
@@ -139,5 +139,5 @@ def name_undeclared(
 
 
 def refused(reason: str) -> SetParametersResult:
-    """Return the answer to a change that is refused."""
+    """Return the result for a change that is refused."""
     return SetParametersResult(successful=False, reason=reason)

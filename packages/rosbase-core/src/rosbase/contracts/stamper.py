@@ -1,4 +1,4 @@
-"""The one place that stamps frames, for every transport."""
+"""The stamper: the one place that stamps frames, for every transport."""
 
 from collections.abc import Sequence
 
@@ -12,15 +12,15 @@ _NS_PER_S = 1_000_000_000
 
 
 class Stamper:
-    """Stamps the frames of a transport; counts and logs what is late, and a date that is set.
+    """Stamps the frames of a transport; counts and logs late frames and steps of the date.
 
-    A transport has one for its life, and calls it on its reader thread: `begin` when reading
-    begins, `look` when it looked for data and there was none, `read` when there was some, and
-    then `one` or `many` for the frames.
+    A transport has one stamper for its life, and calls it on its reader thread. It calls
+    `begin` when reading begins, and `look` when there was no data. It calls `read` when there
+    was data, and then `one` or `many` for the frames.
     """
 
     def __init__(self, context: TransportContext, tally: Tally) -> None:
-        """Take the clock and the logger of `context`, and count in `tally`."""
+        """Use the clock and the logger of `context`, and count in `tally`."""
         clock = self._clock = context.clock
         self._logger = context.logger
         self._tally = tally
@@ -32,38 +32,40 @@ class Stamper:
             return timeline.read(now_ns(), monotonic_ns())
 
         self.read = read
-        """Note that something has been read; return the moment, for the framer."""
+        """Note that data has been read; return the moment, for the framer."""
         self.one = timeline.one
-        """Return the stamp of the only frame of a read; None if `many` is to be asked.
+        """Return the stamp of the only frame of a read; None if you must call `many`.
+
+        The argument is the value that `read` returned when the frame began.
 
         The argument is what `read` gave when the frame began.
         """
         timeline.begin(monotonic_ns())
 
     def begin(self) -> None:
-        """Note that reading begins: what comes now was sent after this moment."""
+        """Note that reading begins: later data was sent after this moment."""
         self._timeline.shift(self._slept_ns())
         self._timeline.begin(self._clock.monotonic_ns())
 
     def look(self, until_ns: int) -> None:
         """Note that there was nothing to read.
 
-        A reader that waits for data wakes up for this twice a second. So it is known of all that
-        it reads that it has not waited for longer, unless the reader stood still.
+        A reader that waits for data wakes up for this twice a second. Therefore no data
+        has waited for longer, unless the reader stood still.
 
         Args:
-            until_ns: When the wait was to end, on the monotonic clock. Whoever comes back later
-                does not know what has arrived since.
+            until_ns: When the wait was to end, on the monotonic clock. A reader that wakes up
+                later does not know which data has arrived since.
         """
         self._timeline.look(min(self._clock.monotonic_ns(), until_ns))
 
     def more(self) -> int:
-        """Note that more has been read of what waited at the last `read`; return the moment."""
+        """Note that more of the waiting data has been read; return the moment."""
         return self._timeline.more(self._clock.now_ns(), self._clock.monotonic_ns())
 
     @property
     def wants_more(self) -> bool:
-        """Whether what was read may have waited, so that `more` of it should be read first."""
+        """Whether the data may have waited, so that the reader should read `more` first."""
         return self._timeline.wants_more
 
     def many(
@@ -71,10 +73,11 @@ class Stamper:
     ) -> list[int | None]:
         """Return the stamps of all frames that were completed since `read`.
 
-        None stands for a frame that is not to be handed over, because nobody knows when it came.
+        None stands for a frame that must not be handed over, because its arrival time is
+        unknown.
 
         Args:
-            begun_ns: Of each frame, what `read` or `more` gave when it began.
+            begun_ns: For each frame, the value that `read` or `more` returned when it began.
             is_within: Whether another frame has begun, behind them.
             wire_ns: How long a frame takes on the line, where that is known.
         """
@@ -102,7 +105,7 @@ class Stamper:
             self._logger.warning(f"nothing was read for {waited_ns / _NS_PER_S:.1f} s: {what}")
 
     def _note_step(self, step_ns: int) -> None:
-        """Count and log a step of the date, unless it is the time for which the machine slept."""
+        """Count and log a step of the date, except for time in which the machine slept."""
         if not step_ns:
             return
         asleep_ns = self._slept_ns()

@@ -1,26 +1,25 @@
-"""The transport contract: where the frames of a device come from.
+"""The transport contract: reads the frames of a device and hands them over.
 
-Must implement: `open`, `start`, `stop`, `close`, `is_open` and `health`. May implement: nothing
-more; nothing else is called. Never override: there is nothing of a base class to override, and
-whoever builds on `rosbase.device.DeviceTransport` overrides none of it.
+Must implement: `open`, `start`, `stop`, `close`, `is_open` and `health`. Nothing else is called.
+Never override the methods of `rosbase.device.DeviceTransport` if you build on it.
 
 All six may be called from any thread, in any order and any number of times. The four calls may
-come from within `on_frame`: there `open` and `start` do nothing, and `stop` and `close` take
-effect when that call has returned. Only `TransportError` is raised, by `open` and `start` only.
-`open` and `start` return within 5 seconds, `stop` and `close` within one, whatever the device
-does; within 5 if `on_frame` does not return. `is_open` and `health` never wait.
+also be made within `on_frame`. There `open` and `start` do nothing, and `stop` and `close` take
+effect when that call has returned. Only `open` and `start` raise, and only `TransportError`.
+`open` and `start` return within 5 seconds, and `stop` and `close` within one, whatever the device
+does. If `on_frame` does not return, they return within 5. `is_open` and `health` never wait.
 
-Coming back after the device was lost is the transport's duty, as long as it is started. That a
-device is alive is known by one thing only: that data arrived. What a transport does for itself
-while it is stopped, and its state then when the device is away, is its own affair.
+The transport must reconnect after the device was lost, as long as it is started. Only arriving
+data proves that a device is alive. While a transport is stopped, it may do as it likes, and show
+any state when the device is away.
 
-`on_frame` answers whether a sample came of the frame. Arrival proves that a device is alive, and a
-sample proves that it is the right one: a transport with a choice between sources, such as the
-topics under a wildcard, chooses by the answer. Nothing else depends on it: whatever `on_frame`
-answers or raises, the next frame is handed over.
+`on_frame` returns whether the frame gave a sample. Arrival proves that a device is alive, and a
+sample proves that it is the right one. A transport that must choose between sources, such as the
+topics under a wildcard, uses the answer. Nothing else depends on it: whatever `on_frame` returns
+or raises, the next frame is handed over.
 
-Dates and monotonic times are those of the context's clock. The log says each change in a line,
-and nothing of each try. `Tally` counts and `hand_over` calls `on_frame` as promised here.
+Dates and monotonic times come from the context's clock. The log has one line for each change, and
+none for each try. `Tally` counts and `hand_over` calls `on_frame` as promised here.
 `rosbase.testing.TransportContract` checks all of it.
 """
 
@@ -52,14 +51,14 @@ _CALLBACK_LOG_S = 5.0
 _MOST_REASONS = 100
 
 OnFrame: TypeAlias = Callable[[bytes, int], bool | None]
-"""`on_frame(frame, stamp_ns)`: take one frame, stamped when its first bytes were read.
+"""`on_frame(frame, stamp_ns)`: takes one frame, stamped when its first bytes were read.
 
-Return whether a sample came of it. None means that the callback does not know.
+It returns whether the frame gave a sample. None means that the callback does not know.
 """
 
 
 class TransportState(Enum):
-    """What a transport is doing."""
+    """State of a transport."""
 
     CLOSED = "closed"
     CONNECTED = "connected"
@@ -69,40 +68,40 @@ class TransportState(Enum):
 
 @frozen
 class TransportHealth:
-    """How a transport has been doing since it was made."""
+    """Health of a transport since it was made."""
 
     state: TransportState = TransportState.CLOSED
     frames: int = 0
-    """Frames handed over."""
+    """Number of frames handed over."""
     received_bytes: int = 0
     frame_errors: Mapping[str, int] = field(factory=dict)
-    """What could not become a frame, counted by reason."""
+    """Data that could not become a frame, counted by reason."""
     reconnects: int = 0
-    """How often the device was lost and came back."""
+    """Number of times that the device was lost and came back."""
     last_data_ns: int | None = None
-    """When bytes last arrived, on the monotonic clock; None if none ever did."""
+    """Monotonic time at which bytes last arrived; None if none ever did."""
     last_error: str = ""
-    """Why the device could not be opened or was lost, the last time; one line.
+    """Last reason why the device could not be opened or was lost; one line.
 
-    Or what is wrong with it while it is read. Empty if nothing of that happened, or once the
-    device is back and has proved to stay.
+    A fault of the device while it is read is shown too. Empty if nothing of that happened, or
+    once the device is back and has proved to stay.
     """
     pending_bytes: int = 0
     """Bytes that arrived since the last end of a frame, as far as the transport knows."""
     interval_ns: int = 0
-    """The usual time between two frames; 0 while it is not known."""
+    """Usual time between two frames; 0 while it is not known."""
     jitter_ns: int = 0
-    """How far from the usual interval frames arrive, on average."""
+    """Average deviation of frames from the usual interval."""
     clock_steps: int = 0
-    """How often the date was set while frames came."""
+    """Number of times that the date was set while frames came."""
     late_frames: int = 0
-    """Frames that waited for more than a second, because nobody read.
+    """Number of frames that waited for more than a second, because nobody read.
 
-    Those among them that nobody can date are not handed over: they are in `frame_errors` too, as
-    `late`.
+    Frames among them that nobody can date are not handed over. They also count in
+    `frame_errors`, as `late`.
     """
     link_errors: Mapping[str, int] = field(factory=dict)
-    """Bytes that were lost or damaged on the way, by reason, as far as the device counts them.
+    """Bytes lost or damaged on the way, by reason, as far as the device counts them.
 
     `framing_error` means bytes as if sent at another rate.
     """
@@ -110,7 +109,7 @@ class TransportHealth:
 
 @define
 class Tally:
-    """What a transport has counted so far. One thread writes; any thread may read."""
+    """Counts of a transport so far. One thread writes; any thread may read."""
 
     frames: int = 0
     received_bytes: int = 0
@@ -124,25 +123,25 @@ class Tally:
     link_errors: dict[str, int] = field(factory=dict)
 
     def count_error(self, reason: str) -> None:
-        """Counts something that could not become a frame.
+        """Count data that could not become a frame.
 
-        A reason is a word of the transport's own. Of more than a hundred different ones, the
-        others are counted as `other`.
+        The transport chooses the word for a reason. After a hundred different ones, new
+        reasons count as `other`.
         """
         if reason not in self.frame_errors and len(self.frame_errors) >= _MOST_REASONS:
             reason = "other"
         self.frame_errors[reason] = self.frame_errors.get(reason, 0) + 1
 
     def count_link_errors(self, errors: Mapping[str, int]) -> None:
-        """Count what went wrong on the way here: how often, by reason."""
+        """Count transmission errors, by reason."""
         for reason, number in errors.items():
             self.link_errors[reason] = self.link_errors.get(reason, 0) + number
 
     def health(self, state: TransportState, pending_bytes: int = 0) -> TransportHealth:
-        """Return all of it, at this moment.
+        """Return the counts as they are now.
 
         Args:
-            state: What the transport is doing.
+            state: State of the transport.
             pending_bytes: Bytes that arrived since the last end of a frame.
         """
         return TransportHealth(
@@ -165,23 +164,26 @@ class Tally:
 
 @frozen
 class TransportContext:
-    """What a transport is given beside its parameters."""
+    """Context that a transport receives beside its parameters."""
 
     clock: Clock
     logger: RosbaseLogger
     stale_timeout_s: float = 1.0
-    """Seconds without a sample after which a device counts as silent: the reader's parameter."""
+    """Seconds without a sample after which a device counts as silent.
+
+    This is the reader's parameter.
+    """
     frames_are_dated: bool = False
-    """Whether frames carry dates of their own, so that none is dropped because it came late."""
+    """Whether frames carry their own dates, so that no frame is dropped for being late."""
 
 
 def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLogger) -> bool:
-    """Call `on_frame`; log what it raises, at a limited rate.
+    """Call `on_frame`; log its exceptions, at a limited rate.
 
     Returns:
         Whether a sample came of the frame. An answer that is no bool, such as None, counts as
         yes: a program that does not know is served as if every frame were a sample. A call that
-        raises counts as no.
+            raises counts as no.
     """
     try:
         return on_frame(frame, stamp_ns) is not False
@@ -194,28 +196,29 @@ def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLog
 
 
 class Transport(ABC):
-    """Reads frames from a device and hands them over, one by one, on a thread of its own."""
+    """Reads frames from a device and hands them over, one by one, on its own thread."""
 
     @abstractmethod
     def open(self) -> None:
-        """Takes the device. Does nothing if it is open.
+        """Open the device. Do nothing if it is open.
 
-        May wait for the device to answer, 5 seconds at most. A transport that was told to wait
-        for a device that is absent returns without it, and takes it when it comes, once started.
+        This may wait for the device to answer, 5 seconds at most. A transport that was
+        told to wait for an absent device returns without it. Once started, it opens the
+        device when it comes.
 
         Raises:
-            TransportError: The device cannot be had; the subclass says which kind of reason it
-                is, the one line names the device. It may be tried again.
+            TransportError: The device cannot be opened. The subclass gives the kind of reason, and
+                the one-line message names the device. You may try again.
         """
 
     @abstractmethod
     def start(self, on_frame: OnFrame) -> None:
-        """Starts handing over the frames that arrive from now on, on the reader thread.
+        """Start handing over the frames that arrive from now on, on the reader thread.
 
-        Opens the device if it is not open. What the device sent before is discarded: it is not
-        known when. What it sends once `start` has returned is handed over. An exception from
-        `on_frame` is logged, and reading goes on, as it does after any answer. Does nothing if
-        the reader runs: whoever wants another `on_frame` stops it first.
+        Opens the device if it is not open. Data from before `start` is discarded, because
+        its time is unknown. Frames sent after `start` has returned are handed over. An
+        exception from `on_frame` is logged, and reading goes on, as it does after any
+        answer. Does nothing if the reader runs: to use another `on_frame`, stop it first.
 
         Raises:
             TransportError: The transport is not open, and opening it failed; or the system has
@@ -224,40 +227,40 @@ class Transport(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Ends the reading and keeps the device. When it returns, `on_frame` is not called again.
+        """Stop reading and keep the device. After it returns, `on_frame` is not called again.
 
-        Waits for an `on_frame` that runs. The exceptions: from within `on_frame` the reading ends
-        after that call; and an `on_frame` that does not return for some seconds is left behind
-        with its thread, which ends with it.
+        Waits for an `on_frame` that runs. There are two exceptions. If you call it within
+        `on_frame`, reading ends after that call. An `on_frame` that does not return for
+        some seconds is left behind with its thread, which ends with it.
         """
 
     @abstractmethod
     def close(self) -> None:
-        """Stops, and releases the device, with every thread and descriptor."""
+        """Stop, and release the device with every thread and descriptor."""
 
     @property
     @abstractmethod
     def is_open(self) -> bool:
-        """Whether the device is held at this moment; without waiting."""
+        """Whether the device is open at this moment; never waits."""
 
     @property
     @abstractmethod
     def health(self) -> TransportHealth:
-        """How it is doing; from any thread, without waiting."""
+        """Health of the transport; from any thread, never waits."""
 
 
 class SimulatedDevice(Protocol):
-    """A stand-in at the far end of a real link, for demos and tests."""
+    """A simulated device at the far end of a real link, for demos and tests."""
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
-        """What the transport must be given to reach this device."""
+        """Parameters with which a transport reaches this device."""
         ...
 
     def send(self, payload: bytes) -> None:
-        """Sends one payload as a device does, delimiter included. Waits while the link is full.
+        """Send one payload as a device does, delimiter included. Wait while the link is full.
 
-        When it returns, the payload is with whoever reads at that moment, or on its way there.
+        When it returns, the payload has been read or is on its way to the current reader.
 
         Raises:
             TransportError: The link has been closed.
@@ -265,7 +268,7 @@ class SimulatedDevice(Protocol):
         ...
 
     def close(self) -> None:
-        """Ends the link, as pulling the plug does. A `send` that waits ends. Idempotent."""
+        """End the link, as pulling the plug does. A `send` that waits ends. Idempotent."""
         ...
 
 
@@ -278,13 +281,13 @@ class PluggableDevice(SimulatedDevice, Protocol):
 
     @property
     def has_room(self) -> bool:
-        """Whether the link would take a payload now, without waiting for whoever reads."""
+        """Whether the link would take a payload now, without waiting for the reader."""
         ...
 
     def unplug(self) -> None:
-        """Pull the plug: whoever reads loses the device. Idempotent."""
+        """Pull the plug: the reader loses the device. Idempotent."""
         ...
 
     def replug(self) -> None:
-        """Put the plug back: the device is where it was, by the same parameters. Idempotent."""
+        """Put the plug back: the device returns, with the same parameters. Idempotent."""
         ...

@@ -1,4 +1,4 @@
-"""A task state machine: a table of transitions, and a machine that takes them one by one. Pure.
+"""Task state machines: a table of transitions, and a machine that takes them one by one. Pure.
 
     machine = Machine(
         "search",
@@ -9,8 +9,8 @@
         during={"grasp": gripper.close},
     )
 
-`handle()` then calls `machine.step()`. The state may also live in the manager, where
-everybody sees it: `Machine(..., holder=self)` in handlers.
+`handle()` then calls `machine.step()`. The state may also live in the manager, where every
+component sees it: `Machine(..., holder=self)` in handlers.
 """
 
 from rosbase.fsm.machine import Machine, StateHolder

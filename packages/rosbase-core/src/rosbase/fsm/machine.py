@@ -1,4 +1,4 @@
-"""The machine: where it is, and the one way in which it gets from state to state."""
+"""The machine: holds the current state and takes the transitions."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -12,12 +12,13 @@ __all__ = ["Machine", "StateHolder"]
 
 
 class StateHolder(Protocol):
-    """An object in whose attribute the state lives, such as handlers: theirs is the manager's."""
+    """An object that holds the state in an attribute, such as handlers, which share the manager's.
+    """
 
     # A property, because pyright refuses one in an object where the protocol has an attribute.
     @property
     def state(self) -> str | None:
-        """The present state; None before the first."""
+        """Current state; None before the first."""
         ...
 
     @state.setter
@@ -25,13 +26,13 @@ class StateHolder(Protocol):
 
 
 class Machine:
-    """Takes transitions of a table, one at a time. Driven by one thread, it reads no time.
+    """Takes transitions of a table, one at a time. Use it from one thread; it reads no time.
 
     A transition is, in this order: `on_exit` of its source, the change of the state, its
-    `then`, `on_enter` of its target, `on_transition`. Whatever one of them raises comes out
-    of `step` or `send`, and what stands after it in that order is left out. If `on_exit`
-    raised, the machine is still in the source, and the same transition may be taken again;
-    after that it is in the target.
+    `then`, `on_enter` of its target, `on_transition`. If one of them raises, `step` or `send`
+    raises the exception, and the calls after it are left out. If `on_exit` raised, the machine
+    is still in the source, and the same transition may be taken again. If a later one raised,
+    it is in the target.
 
     With a holder others may set the state too. The machine follows at its next step or
     event, before anything else: `on_exit` of the state it knew, `on_enter` of the new one.
@@ -49,21 +50,21 @@ class Machine:
         on_transition: Callable[[Transition], object] | None = None,
         holder: StateHolder | None = None,
     ) -> None:
-        """Checks the table and calls nothing; the first step enters the initial state.
+        """Check the table and call nothing; the first step enters the initial state.
 
         Args:
             initial: The state to begin in, unless the holder has one already.
-            transitions: The table. Of those that could be taken, the first one is.
+            transitions: The table. If several could be taken, the first one is.
             on_enter: By state, called when it is entered.
             on_exit: By state, called when it is left.
             during: By state, called at the end of each step in it, the one that entered it
                 included.
-            on_transition: Called with each transition that was taken, when all is done.
-            holder: Where the state lives; by default in the machine itself.
+            on_transition: Called with each transition after it was taken.
+            holder: Holds the state; by default the machine itself does.
 
         Raises:
-            ValueError: The initial state or that of an action is not in the table, a row can
-                never be taken, or, without a holder, no way leads to a state.
+            ValueError: The initial state or a state with an action is not in the table, or a row
+                can never be taken. Without a holder, also if no path leads to a state.
         """
         self._table = Table(initial, transitions)
         self._on_enter = self._checked("on_enter", on_enter)
@@ -87,16 +88,16 @@ class Machine:
 
     @property
     def state(self) -> str:
-        """The state that the machine is in; before the first step, the one it will enter.
+        """State of the machine; before the first step, the initial one.
 
-        What others set in the holder is seen here once the machine has followed.
+        States set in the holder by others are seen here once the machine has followed.
         """
         held = self._holder.state if self._holder is not None else None
         return self._state or held or self._table.initial
 
     @property
     def previous(self) -> str | None:
-        """The state before this one; None as long as there was none."""
+        """Previous state; None as long as there was none."""
         return self._previous
 
     @property
@@ -106,15 +107,16 @@ class Machine:
 
     @property
     def steps_in_state(self) -> int:
-        """How many steps have begun since the state was entered.
+        """Number of steps begun since the state was entered.
 
-        It is 0 in the step that enters a state, and n in the n-th one after that: at 10 steps
-        a second, `steps_in_state >= 20` holds two seconds after the state was entered.
+        It is 0 in the step that enters a state, and n in the n-th step after that. At 10
+        steps a second, `steps_in_state >= 20` holds two seconds after the state was
+        entered.
         """
         return self._steps_in_state
 
     def step(self) -> Transition | None:
-        """Takes the first polled transition whose guard holds, if any; then runs `during`.
+        """Take the first polled transition whose guard holds, if any; then run `during`.
 
         Returns:
             The transition that was taken.
@@ -132,10 +134,12 @@ class Machine:
             return taken
 
     def send(self, event: str) -> Transition | None:
-        """Takes the first transition for that event whose guard holds, if any. No `during`.
+        """Take the first transition for that event whose guard holds, if any.
+
+        Does not call `during`.
 
         Returns:
-            The transition that was taken; None where the present state has none.
+            The transition that was taken; None where the current state has none.
 
         Raises:
             RuntimeError: Called by a guard or an action of this machine.
@@ -148,7 +152,8 @@ class Machine:
             return self._take_first(self._arrive(), event)
 
     def to_mermaid(self) -> str:
-        """The table as the text of a Mermaid state diagram, with a line end after each line."""
+        """Return the table as the text of a Mermaid state diagram, with a line end after each line.
+        """
         return draw(self._table)
 
     def _checked(self, what: str, actions: Mapping[str, Action] | None) -> dict[str, Action]:
@@ -168,7 +173,7 @@ class Machine:
             self._busy = False
 
     def _arrive(self) -> str:
-        """Enters the first state, or follows the holder; gives the state to go on from."""
+        """Enter the first state, or follow the holder; return the current state."""
         wanted = self._wanted()
         if wanted is None or wanted not in self._table.states:
             raise ValueError(f"the state was set to {wanted!r}, which is not in the table")

@@ -1,4 +1,4 @@
-"""A table as the text of a Mermaid diagram (mermaid.js.org, State diagrams)."""
+"""Mermaid diagrams of a table (mermaid.js.org, State diagrams)."""
 
 import re
 
@@ -31,7 +31,7 @@ _ENTITIES = {
 
 
 def draw(table: Table) -> str:
-    """A `stateDiagram-v2`; states whose names Mermaid cannot take get an alias."""
+    """Return a `stateDiagram-v2`; states whose names Mermaid cannot take get an alias."""
     names = _aliases(table.states)
     edges = table.edges()
     left = {source for source, _ in edges}
@@ -50,7 +50,7 @@ def draw(table: Table) -> str:
 
 
 def _aliases(states: tuple[str, ...]) -> dict[str, str]:
-    """By state, the name by which the diagram calls it."""
+    """Return the name of each state in the diagram."""
     names: dict[str, str] = {}
     for state in states:
         # What a member of a string enumeration says of itself is another name.

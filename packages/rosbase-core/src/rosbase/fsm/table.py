@@ -1,4 +1,4 @@
-"""The table of a state machine, checked, and sorted by what is asked of it at every step."""
+"""The table of a state machine, checked, and indexed for each step."""
 
 from collections.abc import Iterable
 
@@ -8,14 +8,14 @@ __all__ = ["Table"]
 
 
 class Table:
-    """Which transitions leave which state, in the order in which they were written."""
+    """Transitions by the state that they leave, in the order in which they were written."""
 
     def __init__(self, initial: str, transitions: Iterable[Transition]) -> None:
-        """Sorts the rows, and refuses those that can only be a slip.
+        """Index the rows, and refuse those that can only be a mistake.
 
         Raises:
-            ValueError: No row names the initial state, or a row can never be taken because
-                one above it always is.
+            ValueError: No row names the initial state, or a row can never be taken, because one
+                above it always is.
         """
         self.initial = initial
         self.transitions = tuple(transitions)
@@ -29,15 +29,15 @@ class Table:
             self._add(row)
 
     def leaving(self, state: str, event: str | None) -> list[Transition]:
-        """The transitions of that state for that event, or, for none, its polled ones."""
+        """Return the transitions of a state for an event or, without an event, its polled ones."""
         return self._rows.get((state, event), [])
 
     def edges(self) -> list[tuple[str, Transition]]:
-        """Each transition with each state that it leaves; `ANY` is written out."""
+        """Yield each transition with each state that it leaves; `ANY` is written out."""
         return [(source, row) for row in self.transitions for source in self._sources(row)]
 
     def unreachable(self) -> list[str]:
-        """The states to which no way leads from the initial one."""
+        """Return the states that no path reaches from the initial one."""
         reached = {self.initial}
         edges = self.edges()
         # Each round goes one edge further, and no way has more edges than there are states.

@@ -8,10 +8,10 @@ from attrs import frozen
 __all__ = ["ANY", "Action", "Guard", "Transition"]
 
 Action: TypeAlias = Callable[[], object]
-"""Called for what it does; what it returns is ignored."""
+"""Function called for its effect; its return value is ignored."""
 
 Guard: TypeAlias = Callable[[], object]
-"""Called for its truth. It may be asked often, and should only look."""
+"""Function called for its truth value. It may be called often, and should change nothing."""
 
 ANY: Final = "*"
 """As a source: every state but the transition's target."""
@@ -19,27 +19,27 @@ ANY: Final = "*"
 
 @frozen
 class Transition:
-    """From one state to another: when, and what is done on the way.
+    """A transition between states: its condition and its action.
 
     Raises:
-        ValueError: A name is empty or stands there twice, or `ANY` where it means nothing.
+        ValueError: A name is empty or repeated, or `ANY` is used where it means nothing.
     """
 
     source: str | tuple[str, ...]
-    """The state that it leaves, or several, or `ANY`."""
+    """State that it leaves, or several, or `ANY`."""
     target: str
-    """The state that it enters; it may be the one that it leaves."""
+    """State that it enters; may be the one that it leaves."""
     when: Guard | None = None
-    """Asked whether it may be taken now; without it, it always may."""
+    """Guard: returns whether it may be taken now. Without one, it always may."""
     event: str | None = None
-    """The event that triggers it. Without one it is polled at every step."""
+    """Event that triggers it. Without one it is polled at every step."""
     then: Action | None = None
     """Called between leaving the source and entering the target."""
     label: str = ""
-    """Why it is taken, in words, for diagrams and logs."""
+    """Reason for the transition, for diagrams and logs."""
 
     def __attrs_post_init__(self) -> None:
-        """Refuses what can only be a slip."""
+        """Refuse rows that can only be a mistake."""
         if not self.sources:
             raise ValueError(f"the transition to {self.target!r} has no source")
         for name in (*self.sources, self.target):
@@ -56,12 +56,12 @@ class Transition:
 
     @property
     def sources(self) -> tuple[str, ...]:
-        """The source, or the sources, as a tuple in any case."""
+        """Source or sources, always as a tuple."""
         return (self.source,) if isinstance(self.source, str) else tuple(self.source)
 
     @property
     def reason(self) -> str:
-        """The label; without one, the event and the guard's name in brackets, if it has one."""
+        """Label; without one, the event and the guard's name in brackets, if it has one."""
         if self.label:
             return self.label
         guard = getattr(self.when, "__name__", "").lstrip("_")

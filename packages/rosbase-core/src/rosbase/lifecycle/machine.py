@@ -1,7 +1,7 @@
-"""The lifecycle as a machine that only moves along the table. It calls and awaits nothing.
+"""The lifecycle as a state machine that follows the table. It calls nothing and awaits nothing.
 
-Whoever drives it asks for a transition, runs the callback that the new state names, and
-tells the machine what the callback answered:
+The caller asks for a transition, runs the callback that the new state names, and tells the machine
+the result of the callback:
 
     event = machine.request(label="configure")     # unconfigured -> configuring
     event = machine.finish(CallbackReturn.ERROR)   # configuring -> errorprocessing
@@ -24,18 +24,18 @@ __all__ = ["Machine", "TransitionEvent"]
 
 @frozen
 class TransitionEvent:
-    """One step that the machine took (lifecycle_msgs/TransitionEvent without its time)."""
+    """One step of the machine (lifecycle_msgs/TransitionEvent without its time)."""
 
     transition: Transition
 
     @property
     def start(self) -> State:
-        """The state that was left."""
+        """State that was left."""
         return self.transition.start
 
     @property
     def goal(self) -> State:
-        """The state that was reached."""
+        """State that was reached."""
         return self.transition.goal
 
 
@@ -50,29 +50,29 @@ class Machine:
 
     @property
     def state(self) -> State:
-        """Where the machine is."""
+        """Current state of the machine."""
         return self._state
 
     @property
     def previous_state(self) -> State:
-        """The primary state from before the transition under way. Callbacks are given it."""
+        """Primary state before the current transition. Callbacks receive it."""
         return self._previous
 
     def available_transitions(self) -> tuple[Transition, ...]:
-        """The transitions that start at the present state."""
+        """Transitions that start at the current state."""
         return starting_at(self._state)
 
     def request(self, transition_id: int = 0, label: str = "") -> TransitionEvent:
-        """Leaves a primary state by a public transition.
+        """Leave a primary state by a public transition.
 
         Args:
-            transition_id: Its id; looked at only if there is no label.
-            label: Its label, looked up among the transitions of the present state, so
-                that `shutdown` is 5, 6 or 7. A label beats an id, as in rcl.
+            transition_id: Its id; used only if there is no label.
+            label: Its label, looked up among the transitions of the current state, so that
+                `shutdown` is 5, 6 or 7. A label takes precedence over an id, as in rcl.
 
         Raises:
-            TransitionNotAvailableError: Nothing of that name or id starts here. The state
-                is what it was.
+            TransitionNotAvailableError: No transition of that name or id starts here. The state
+                has not changed.
         """
         for transition in self.available_transitions():
             wanted = transition.label == label if label else transition.id == transition_id
@@ -85,10 +85,10 @@ class Machine:
         )
 
     def finish(self, answer: CallbackReturn) -> TransitionEvent:
-        """Leaves a transition state by what its callback answered.
+        """Leave a transition state with the result of its callback.
 
         Raises:
-            TransitionNotAvailableError: No transition is under way.
+            TransitionNotAvailableError: No transition is running.
         """
         for transition in self.available_transitions():
             if transition.label == answer.label:
@@ -96,10 +96,10 @@ class Machine:
         raise TransitionNotAvailableError(f"no callback is under way in state {self._state.label}")
 
     def raise_error(self) -> TransitionEvent:
-        """Goes from a primary state to errorprocessing: a fault outside of any transition.
+        """Go from a primary state to errorprocessing, for a fault outside of any transition.
 
         Raises:
-            TransitionNotAvailableError: A transition is under way, or the node is finalized.
+            TransitionNotAvailableError: A transition is running, or the node is finalized.
         """
         if not self._state.is_primary or self._state is State.FINALIZED:
             raise TransitionNotAvailableError(

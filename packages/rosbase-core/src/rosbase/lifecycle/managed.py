@@ -1,4 +1,4 @@
-"""What a backend needs of a lifecycle node to offer it to the world."""
+"""The interface of a lifecycle node that a backend offers to other programs."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -10,18 +10,18 @@ __all__ = ["ManagedNode"]
 
 
 class ManagedNode(Protocol):
-    """A node with the managed lifecycle, for whoever asks from outside. `LifecycleNode` is one.
+    """Interface of a node with the managed lifecycle. `LifecycleNode` implements it.
 
-    Reading is allowed from any thread, also while a transition runs; a transition belongs on
-    the thread that spins the backend.
+    You may read from any thread, also while a transition runs. Run transitions on the thread
+    that spins the backend.
     """
 
     def get_state(self) -> State:
-        """Where the lifecycle is."""
+        """Return the current state of the lifecycle."""
         ...
 
     def get_available_transitions(self) -> tuple[Transition, ...]:
-        """The transitions that start at the present state."""
+        """Return the transitions that start at the current state."""
         ...
 
     def describe_transition(self) -> str:
@@ -29,16 +29,17 @@ class ManagedNode(Protocol):
         ...
 
     def request_transition(self, transition_id: int = 0, label: str = "") -> CallbackReturn:
-        """Runs the transition of that label, or else of that id, with its callback.
+        """Run the transition of that label, or else of that id, with its callback.
 
         Raises:
-            TransitionNotAvailableError: Not from this state, or another one is under way.
+            TransitionNotAvailableError: It does not start at this state, or another one is
+                running.
         """
         ...
 
     def add_transition_listener(self, listener: Callable[[TransitionEvent], object]) -> None:
-        """Has `listener(event)` called after each step, on the thread that takes it.
+        """Call `listener(event)` after each step, on the thread that takes it.
 
-        What the listener raises is reported and stops no transition.
+        Exceptions of the listener are reported and stop no transition.
         """
         ...

@@ -1,9 +1,9 @@
-"""The ROS 2 lifecycle as data: 11 states, 25 transitions. Nothing is decided elsewhere.
+"""The ROS 2 lifecycle as data: 11 states, 25 transitions. No other module decides anything.
 
 Source: lifecycle_msgs/msg/State and Transition for ids, and rcl_lifecycle's
-`default_state_machine.c` for labels, edges and their order, which is what the ROS tools
-see. Where the design article (design.ros2.org/articles/node_lifecycle) differs from that
-code, the code is followed:
+`default_state_machine.c` for labels, edges and their order, which the ROS tools see. Where the
+design article (design.ros2.org/articles/node_lifecycle) differs from that code, rosbase follows
+the code:
 
 - there is no edge from active to errorprocessing; `raise_error` is our extension and is
   kept out of this table;
@@ -52,12 +52,12 @@ class State(IntEnum):
 
     @property
     def id(self) -> int:
-        """The number that lifecycle_msgs gives the state."""
+        """Number of the state in lifecycle_msgs."""
         return self.value
 
     @property
     def label(self) -> str:
-        """The name that the ROS tools show: lower case, one word."""
+        """Name that the ROS tools show: lower case, one word."""
         return self.name.lower()
 
     @property
@@ -67,7 +67,7 @@ class State(IntEnum):
 
 
 class CallbackReturn(IntEnum):
-    """What a transition callback answers. The value is that of lifecycle_msgs/Transition."""
+    """Result of a transition callback. The value is the id in lifecycle_msgs/Transition."""
 
     SUCCESS = 97
     FAILURE = 98
@@ -75,7 +75,7 @@ class CallbackReturn(IntEnum):
 
     @property
     def label(self) -> str:
-        """The label of the transition that this answer takes."""
+        """Label of the transition that this result takes."""
         return f"transition_{self.name.lower()}"
 
 
@@ -90,12 +90,12 @@ class Transition:
 
     @property
     def is_public(self) -> bool:
-        """Whether it may be requested. The others are taken by what a callback answers."""
+        """Whether it may be requested. The others are taken by the result of a callback."""
         return self.id < 10
 
 
 RAISE_ERROR_LABEL = "raise_error"
-"""Label, with id 0, of our extension: from a primary state to errorprocessing."""
+"""Label of our extension, with id 0: from a primary state to errorprocessing."""
 
 _SUCCESS, _FAILURE, _ERROR = (answer.label for answer in CallbackReturn)
 
@@ -136,9 +136,9 @@ CALLBACKS: dict[State, str] = {
     State.DEACTIVATING: "on_deactivate",
     State.ERRORPROCESSING: "on_error",
 }
-"""Which callback a transition state runs."""
+"""Callback that each transition state runs."""
 
 
 def starting_at(state: State) -> tuple[Transition, ...]:
-    """The transitions that start at `state`, in order of registration."""
+    """Return the transitions that start at `state`, in order of registration."""
     return tuple(transition for transition in TRANSITIONS if transition.start is state)

@@ -1,4 +1,4 @@
-"""The manager, with each of its duties in a place of its own."""
+"""The manager, with one module for each of its duties."""
 
 from rosbase.manager.base_manager import BaseManager
 from rosbase.processes import register_multiprocess_nodes, shutdown_multiprocess_nodes

@@ -1,4 +1,4 @@
-"""The manager: owns everything in one process, and ties the roles together."""
+"""The manager: owns everything in one process, and connects the roles."""
 
 import inspect
 import threading
@@ -45,32 +45,36 @@ _LOG_FREQ_NS = 1_000_000_000
 class BaseManager(Constructed):
     """Registers nodes, agents and handlers, shakes hands, runs the main loop, cleans up.
 
-    `start_main_loop_timer()` does all of it and returns when the application has ended.
+    `start_main_loop_timer()` does all of this and returns when the application has ended.
     """
 
     backend: Backend
-    """The connection of this process. On ROS 2, `backend.node` is the rclpy node."""
+    """Connection of this process. On ROS 2, `backend.node` is the rclpy node."""
     logger: RosbaseLogger
-    """The logger of the manager. Nodes, agents and handlers have the same one."""
+    """Logger of the manager, shared by nodes, agents and handlers."""
     nodes: dict[str, Any]
-    """The nodes by name, in the order of `nodes_dict`."""
+    """Nodes by name, in the order of `nodes_dict`."""
     agents: dict[str, Any]
-    """The agents by name, in the order of `agents_dict`."""
+    """Agents by name, in the order of `agents_dict`."""
     handlers: BaseHandlers | None
-    """The handlers; None without a `handlers_class`."""
+    """Handlers; None without a `handlers_class`."""
     node_freq_hz: float
     """Ticks per second."""
     state: str | None
-    """The state of the application, to read and to set. rosbase itself gives it no meaning."""
+    """State of the application, to read and to set. rosbase itself gives it no meaning."""
     timestamp: int
-    """The number of ticks that have ended."""
+    """Number of ticks that have ended."""
     loop_stats: LoopStats
-    """How well the main loop keeps its rate: ticks, skipped ticks, periods and durations."""
+    """Statistics of the main loop: ticks, skipped ticks, periods and durations."""
     get_state_switch: Callable[[], str | None] | None = None
-    """Define it to be asked at the start of each tick; what is not None becomes `state`. It
-    must be there, as `state_handle`, when the main loop starts."""
+    """Optional method, called at the start of each tick.
+
+    If it returns something other than None, that becomes `state`. Like `state_handle`, it must
+    exist when the main loop starts.
+    """
     state_handle: Callable[..., object] | None = None
-    """Define it to be called after that, with what `get_state_switch` gave if it takes it."""
+    """Optional method, called after `get_state_switch` and with its result if it takes an argument.
+    """
 
     @constructor
     def __init__(
@@ -89,10 +93,10 @@ class BaseManager(Constructed):
         main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
-        """Builds all components, in this order: nodes, agents, handlers.
+        """Build all components, in this order: nodes, agents, handlers.
 
         Args:
-            node_name: The name under which the world sees this process.
+            node_name: Name of this process, as other programs see it.
             nodes_dict: Node classes by the name they get in `nodes`.
             agents_dict: Agent classes by the name they get in `agents`.
             handlers_class: The class whose `handle()` is called once per tick.
@@ -108,9 +112,9 @@ class BaseManager(Constructed):
             kwargs: Forwarded to every component as they are.
 
         Raises:
-            TypeError: An instance stands for a class, or `handle` is async or a generator.
-            ValueError: The rate is not a positive number of hertz, or the time-out not one of
-                seconds.
+            TypeError: An instance is given instead of a class, or `handle` is async or a
+                generator.
+            ValueError: The rate or the timeout is not a positive number.
             NotInstalledError: No backend of that name can be used.
         """
         self._known_threads = threading.enumerate()
@@ -154,7 +158,7 @@ class BaseManager(Constructed):
         log_freq: bool,
         handshake_timeout: float | None,
     ) -> None:
-        """What components may rely on while they are built."""
+        """Set the attributes that components use while they are built."""
         Rate(node_freq_hz, 0)
         if handshake_timeout is not None and not _is_duration(handshake_timeout):
             raise ValueError(f"handshake_timeout is a number of seconds, not {handshake_timeout!r}")
@@ -214,14 +218,15 @@ class BaseManager(Constructed):
     # What users override.
 
     def init_custom_variables(self) -> None:
-        """Called before the first component is built. Set what components expect to find."""
+        """Prepare attributes that components expect. Called before the first component is built."""
 
     def handshake(self) -> bool | None:
-        """Called until it answers anything but False; messages are handled in between."""
+        """Return False to keep waiting. Called repeatedly; messages are handled between the calls.
+        """
         return self._handshake.ask()
 
     def main_loop(self) -> None:
-        """Called once per tick. The order is the promise; override it to have another."""
+        """Run one tick. Override it to change the order of the calls."""
         if self._may_switch:
             self._switch_state()
         handlers = self.handlers
@@ -233,33 +238,33 @@ class BaseManager(Constructed):
             self.update_timestamp()
 
     def update_timestamp(self) -> None:
-        """Called at the end of each tick: one more."""
+        """Increment `timestamp`. Called at the end of each tick."""
         self.timestamp += 1
 
     def release_resources(self) -> None:
-        """Called when the application ends. Close windows, files, threads and devices here."""
+        """Release windows, files, threads and devices. Called when the application ends."""
 
     # What users call.
 
     def add_handshake_rule(self, name: str, predicate: Callable[[], object]) -> None:
-        """Adds a condition that must hold before the main loop starts."""
+        """Add a condition that must hold before the main loop starts."""
         self._handshake.add(name, predicate)
 
     def request_stop(self) -> None:
-        """Ends the main loop after the present tick. From any thread, and signal handlers."""
+        """End the main loop after the current tick. Call it from any thread or signal handler."""
         self._stop_requests.append(True)
         if self._processes is not None:
             self._processes.stopping_soon()
         self.backend.call_soon(_nothing)
 
     def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
-        """Shakes hands, brings lifecycle nodes up, runs the main loop, and cleans up.
+        """Run the handshake, bring lifecycle nodes up, run the main loop, and clean up.
 
-        Returns when stopped, by `request_stop`, SIGINT, SIGTERM or SIGHUP. What user code
-        raises is raised here, after the whole clean-up. A manager runs once.
+        Returns when stopped, by `request_stop`, SIGINT, SIGTERM or SIGHUP. An exception of
+        user code is raised here, after the whole clean-up. A manager runs once.
 
         Args:
-            processes: What `register_multiprocess_nodes` gave; stopped at the end.
+            processes: Result of `register_multiprocess_nodes`; stopped at the end.
 
         Raises:
             HandshakeTimeoutError: The rules that it names did not come true in time.
@@ -309,11 +314,14 @@ class BaseManager(Constructed):
             raise SystemExit(self._processes.exit_status)
 
     def start_main_loop(self, processes: ChildProcesses | None = None) -> None:
-        """The older name of `start_main_loop_timer`."""
+        """Call `start_main_loop_timer`. This is its older name."""
         self.start_main_loop_timer(processes)
 
     def destroy_node(self) -> None:
-        """Ends the connection of this manager. The main loop does it; harmless when done."""
+        """Close the connection of this manager.
+
+        The main loop does so itself; a second call does nothing.
+        """
         self.backend.close()
 
     def _claim(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
@@ -366,7 +374,7 @@ class BaseManager(Constructed):
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
 
     def _not_active_yet(self) -> str:
-        """A hint for a rule that waits for what a lifecycle node does once it is active."""
+        """Return a hint for a rule that waits for a lifecycle node to become active."""
         names = ", ".join(node._label for node in self._lifecycle_nodes())
         return f" (brought up only after the handshake: {names})" if names else ""
 
@@ -415,4 +423,4 @@ def _takes_an_argument(function: Callable[..., object]) -> bool:
 
 
 def _nothing() -> None:
-    """What is called to wake the main loop."""
+    """Do nothing: called to wake the main loop."""

@@ -1,4 +1,4 @@
-"""Lifecycle nodes under a manager: up in order of registration, down in reverse."""
+"""Bring lifecycle nodes up in order of registration, and down in reverse."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -8,10 +8,10 @@ __all__ = ["bring_up", "take_down"]
 
 
 def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> bool:
-    """Brings each node as far as its `autostart` says.
+    """Bring each node as far as its `autostart` says.
 
-    If one does not get there, it and those before it are taken back to unconfigured, in
-    reverse.
+    If a node does not get there, it and the nodes before it return to unconfigured, in reverse
+    order.
 
     Returns:
         Whether all of them got there.
@@ -45,7 +45,7 @@ def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int) -> None:
 
 
 def take_down(nodes: Iterable[LifecycleNode]) -> None:
-    """Deactivates, cleans up and shuts down each node, the last one first.
+    """Deactivate, clean up and shut down each node, the last one first.
 
     Every node is attempted; the first exception is raised at the end.
     """

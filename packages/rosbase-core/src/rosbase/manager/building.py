@@ -1,4 +1,4 @@
-"""Building components: what is given for a class, and whether its constructor did its part."""
+"""Build components from classes, and check that their constructors did their part."""
 
 import difflib
 import inspect
@@ -24,7 +24,7 @@ def build(
 
     Args:
         component: Its class, or a function that makes one.
-        where: Where the program names it, for errors, such as `nodes_dict['camera']`.
+        where: Place where the program names it, for errors, such as `nodes_dict['camera']`.
         manager: Given to it as `manager`.
         args: Forwarded as they are.
         kwargs: Forwarded as they are.
@@ -43,7 +43,9 @@ def build(
 
 
 def lacks_its_base(built: object) -> str:
-    """Say that a component's constructor has not called that of its base class; or nothing.
+    """Say that a component's constructor has not called its base class's; empty if it has.
+
+    A component that uses nothing of rosbase may do without.
 
     It may do without, if it uses nothing of rosbase.
     """
@@ -63,7 +65,7 @@ def find_untaken(
 
     Args:
         names: The keyword arguments.
-        classes: What they are forwarded to.
+        classes: Classes to which they are forwarded.
         own: The parameters of the manager itself.
 
     Returns:
@@ -80,7 +82,7 @@ def find_untaken(
 
 
 def _names_in(code: CodeType | None) -> set[str]:
-    """Parameters, and texts such as in `kwargs.get("goal")`."""
+    """Return the parameters, and the names in texts such as `kwargs.get("goal")`."""
     if code is None:
         return set()
     count = code.co_argcount + code.co_kwonlyargcount

@@ -1,4 +1,4 @@
-"""Notices when somebody sets the system clock, which changes stamps and nothing else."""
+"""Detect steps of the system clock, which change stamps and nothing else."""
 
 from rosbase.clock import Clock
 from rosbase.logger import RosbaseLogger
@@ -11,7 +11,7 @@ _STEP_NS = 100_000_000
 
 
 class ClockWatch:
-    """Compares the date with the monotonic clock whenever it is asked, about once a second."""
+    """Compares the date with the monotonic clock, about once a second."""
 
     def __init__(self, clock: Clock, logger: RosbaseLogger) -> None:
         self._clock = clock
@@ -22,7 +22,7 @@ class ClockWatch:
         return self._clock.now_ns() - self._clock.monotonic_ns()
 
     def check(self) -> None:
-        """Logs a step since it was asked last."""
+        """Log a step of the date since the last check."""
         offset_ns = self._read()
         step_ns, self._offset_ns = offset_ns - self._offset_ns, offset_ns
         if abs(step_ns) >= _STEP_NS:

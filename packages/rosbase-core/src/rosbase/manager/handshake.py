@@ -9,17 +9,17 @@ __all__ = ["Handshake"]
 
 
 class Handshake:
-    """Named rules, asked again and again until all of them hold."""
+    """Named rules, checked again and again until all of them hold."""
 
     def __init__(self, logger: RosbaseLogger) -> None:
         self._logger = logger
         self._rules: list[tuple[str, Callable[[], object]]] = []
         self._reported: set[int] = set()
         self.pending: list[str] = []
-        """The names of the rules that did not hold when they were last asked."""
+        """Names of the rules that did not hold at the last check."""
 
     def add(self, name: str, predicate: Callable[[], object]) -> None:
-        """Adds a rule; the name is what a waiting user reads.
+        """Add a rule; the user who waits reads its name.
 
         Raises:
             TypeError: The predicate cannot be called, or is async or a generator.
@@ -28,7 +28,7 @@ class Handshake:
         self._rules.append((name, predicate))
 
     def ask(self) -> bool:
-        """Whether all rules hold. One that raises does not, and is named once."""
+        """Return whether all rules hold. A rule that raises does not, and is named once."""
         held = [self._holds(index) for index in range(len(self._rules))]
         self.pending = [
             name for (name, _), holds in zip(self._rules, held, strict=True) if not holds

@@ -21,10 +21,10 @@ def run_main_loop(
     stats: LoopStats,
     look_after: Callable[[], object],
 ) -> None:
-    """Runs ticks until `stopping`; whatever a tick or a callback raises ends the loop.
+    """Run ticks until `stopping`; an exception of a tick or a callback ends the loop.
 
-    `look_after` is called between ticks, at least once a second if there are ticks; it has
-    the notes of `stats` digested. Whoever makes `stopping` true also calls `call_soon`.
+    `look_after` is called between ticks, at least once a second if there are ticks; it digests
+    the notes of `stats`. Code that makes `stopping` true must also call `call_soon`.
     """
     # The usual tick of a simple program takes as few steps as can be, spread out here instead
     # of called: after a sleep the processor is cold and slow, and a call costs microseconds.

@@ -1,4 +1,4 @@
-"""Parameters: what they are called, of which type they are, and which values they take."""
+"""Parameters: names, types and values."""
 
 from rosbase.parameters.checking import check_value, did_you_mean
 from rosbase.parameters.kinds import (

@@ -1,4 +1,4 @@
-"""Checks values of parameters. A whole number is taken where a double is due."""
+"""Check values of parameters. A whole number is accepted for a double."""
 
 import array
 import difflib
@@ -21,11 +21,11 @@ _INT64 = 2**63
 
 
 def check_value(spec: ParameterSpec, value: object) -> ParameterValue:
-    """The value as the parameter's own type.
+    """Return the value as the parameter's own type.
 
     Raises:
-        ParameterError: It is of another type, not finite, out of range, no choice, or a text
-            with a NUL, which neither the system nor ROS takes.
+        ParameterError: It is of another type, not finite, out of range or no choice. A text with a
+            NUL is refused too, because neither the system nor ROS takes it.
     """
     checked = _as_kind(spec, value)
     for item in checked if isinstance(checked, list) else [checked]:
@@ -42,7 +42,7 @@ def check_value(spec: ParameterSpec, value: object) -> ParameterValue:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return a hint for a name that is not known, such as `; did you mean rate?`; empty if none."""
+    """Return a hint for an unknown name, such as `; did you mean rate?`; empty if none."""
     near = difflib.get_close_matches(name, known, n=1)
     return f"; did you mean {near[0]}?" if near else ""
 

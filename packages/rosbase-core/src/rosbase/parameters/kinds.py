@@ -1,4 +1,4 @@
-"""What a parameter is. The types are those of rcl_interfaces/ParameterType."""
+"""Parameters and their types, which are those of rcl_interfaces/ParameterType."""
 
 import array
 from enum import Enum
@@ -19,11 +19,11 @@ __all__ = [
 ParameterValue: TypeAlias = (
     bool | int | float | str | list[bool] | list[int] | list[float] | list[str] | list[bytes]
 )
-"""What a parameter can be. Bytes are a list of `bytes` of length 1, as in rclpy."""
+"""Value of a parameter. Bytes are a list of `bytes` of length 1, as in rclpy."""
 
 
 class ParameterKind(Enum):
-    """The type of a parameter; the value is how it is called in a message to the user."""
+    """Type of a parameter; the value is its name in messages to the user."""
 
     BOOL = "true or false"
     INTEGER = "a whole number"
@@ -38,11 +38,11 @@ class ParameterKind(Enum):
 
 @frozen
 class SetParametersResult:
-    """Whether parameters were set; the fields are those of rcl_interfaces/SetParametersResult."""
+    """Result of setting parameters, with the fields of rcl_interfaces/SetParametersResult."""
 
     successful: bool
     reason: str = ""
-    """Why they were not."""
+    """Reason for a refusal."""
 
 
 @frozen
@@ -59,7 +59,7 @@ SCALARS = {
     ParameterKind.DOUBLE: float,
     ParameterKind.STRING: str,
 }
-"""The Python type of each kind that is no array."""
+"""Python type of each kind that is not an array."""
 
 ELEMENTS = {
     ParameterKind.BOOL_ARRAY: ParameterKind.BOOL,
@@ -67,7 +67,7 @@ ELEMENTS = {
     ParameterKind.DOUBLE_ARRAY: ParameterKind.DOUBLE,
     ParameterKind.STRING_ARRAY: ParameterKind.STRING,
 }
-"""The kind of the elements of each array, but for bytes."""
+"""Kind of the elements of each array, except for bytes."""
 
 _KIND_OF = {python_type: kind for kind, python_type in SCALARS.items()}
 _ARRAY_OF = {
@@ -77,7 +77,10 @@ _ARRAY_OF = {
 
 
 def _kind_of(spec: "ParameterSpec") -> ParameterKind:
-    """The kind that a default says: of a list, by its elements; a float among ints is one."""
+    """Return the kind of a default.
+
+    For a list its elements decide; a float among ints makes it double.
+    """
     default: object = spec.default
     if isinstance(default, array.array):
         return _ARRAY_OF[float if default.typecode in "fd" else int]
@@ -98,7 +101,7 @@ def _kind_of(spec: "ParameterSpec") -> ParameterKind:
 
 @frozen
 class ParameterSpec:
-    """What a parameter is: enough to declare it, to check a value and to explain it."""
+    """Description of a parameter: enough to declare it, to check a value and to explain it."""
 
     name: str
     default: ParameterValue
@@ -106,10 +109,10 @@ class ParameterSpec:
     # As a factory, and not by `@kind.default`, which pyright takes for no default at all.
     kind: ParameterKind = field(kw_only=True, default=Factory(_kind_of, takes_self=True))
     choices: tuple[str, ...] = field(kw_only=True, default=())
-    """The only texts allowed, if there are any here."""
+    """Allowed texts, if there is a choice."""
     minimum: float | None = field(kw_only=True, default=None)
-    """The least number allowed; for arrays, of each element."""
+    """Minimum; for arrays, of each element."""
     maximum: float | None = field(kw_only=True, default=None)
-    """The greatest number allowed; for arrays, of each element."""
+    """Maximum; for arrays, of each element."""
     read_only: bool = field(kw_only=True, default=False)
-    """Whether its value stays what it was when it was declared."""
+    """Whether the value cannot change after the declaration."""

@@ -1,6 +1,6 @@
-"""Values of parameters as users write them, read by the declared type and never by a guess.
+"""Values of parameters as users write them, read by the declared type and never guessed.
 
-`off` is a truth for a parameter that is one, and text for a parameter that takes text.
+`off` is false for a bool parameter, and text for a string parameter.
 """
 
 import re
@@ -18,17 +18,17 @@ __all__ = ["Written", "WrittenText", "from_outside", "parse_text", "parse_writte
 
 @frozen
 class WrittenText:
-    """A scalar as it stands in a file or on a command line."""
+    """A scalar as written in a file or on a command line."""
 
     text: str
     is_quoted: bool = False
-    """Whether its author has said, by quotes, that it is text."""
+    """Whether it is in quotes, so that it is text."""
     data: bytes | None = None
-    """The bytes for which the text stands, of a scalar that is `!!binary` in YAML."""
+    """Bytes of a scalar that is `!!binary` in YAML."""
 
 
 Written: TypeAlias = WrittenText | tuple[WrittenText, ...]
-"""A value as it is written: a scalar, or the items of a list."""
+"""A value as written: a scalar, or the items of a list."""
 
 _TRUTHS = {
     form: truth
@@ -47,10 +47,10 @@ _QUOTED = re.compile(r"^([\"'])((?:(?!\1).)*)\1$", re.DOTALL)
 
 
 def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
-    """The value that a user wrote for the parameter, as in `-p name:=text`.
+    """Return the value that a user wrote for the parameter, as in `-p name:=text`.
 
     Raises:
-        ParameterError: The text does not say a value of the parameter's type.
+        ParameterError: The text is no value of the parameter's type.
     """
     if spec.kind is ParameterKind.STRING:
         return check_value(spec, text)
@@ -60,7 +60,7 @@ def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
 
 
 def parse_written(spec: ParameterSpec, written: Written) -> ParameterValue:
-    """The value that stands for the parameter in YAML, where quotes say that something is text.
+    """Return the value of the parameter in YAML, where quotes mark text.
 
     Raises:
         ParameterError: It is not a value of the parameter's type.
@@ -78,9 +78,9 @@ def parse_written(spec: ParameterSpec, written: Written) -> ParameterValue:
 
 
 def from_outside(spec: ParameterSpec, value: object) -> ParameterValue:
-    """The value of a parameter of which a tool has guessed the type.
+    """Return the value of a parameter whose type a tool has guessed.
 
-    Of several texts that are allowed, `False` can only be `off`; a list of mixed elements comes
+    If only some texts are allowed, `False` can only mean `off`. A list of mixed elements comes
     as text.
 
     Raises:
@@ -96,7 +96,7 @@ def from_outside(spec: ParameterSpec, value: object) -> ParameterValue:
 
 
 def _means(text: str, value: float) -> bool:
-    """Whether YAML takes the text for that truth or number."""
+    """Return whether YAML reads the text as that bool or number."""
     if isinstance(value, bool):
         return _TRUTHS.get(text) is value
     return bool(_INTEGER.fullmatch(text)) and int(text) == value
@@ -120,7 +120,7 @@ def _item(spec: ParameterSpec, kind: ParameterKind, item: WrittenText) -> bool |
 
 
 def _scalar(spec: ParameterSpec, kind: ParameterKind, text: str) -> bool | float | str:
-    """The truth or number that the text says; the text itself where it says another kind."""
+    """Return the bool or number in the text; the text itself if it is of another kind."""
     text = text.strip()
     if kind is ParameterKind.BOOL and text in _TRUTHS:
         return _TRUTHS[text]
@@ -167,7 +167,7 @@ def _pieces(text: str) -> list[str]:
 
 
 def _closes_last(text: str) -> bool:
-    """Whether the bracket that opens a text is closed by the one that ends it."""
+    """Return whether the first bracket of a text is closed by its last one."""
     depth = 0
     for at, sign in enumerate(text):
         depth += (sign == "[") - (sign == "]")

@@ -1,1 +1,1 @@
-"""The roles: node, lifecycle node, agent and handlers, and what connects them."""
+"""The roles: node, lifecycle node, agent and handlers, and their connections."""

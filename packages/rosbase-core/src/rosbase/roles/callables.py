@@ -1,4 +1,4 @@
-"""Which functions rosbase can call back, and which classes it can build: one clear line if not."""
+"""Check functions that rosbase calls back and classes that it builds; errors are one clear line."""
 
 import inspect
 from collections.abc import Callable
@@ -9,7 +9,7 @@ __all__ = ["check_callback", "check_methods"]
 
 
 def check_callback(callback: object, what: str) -> None:
-    """Refuse what rosbase cannot call, or whose body would never run.
+    """Refuse a callback that rosbase cannot call, or whose body would never run.
 
     Calling a coroutine or generator function only makes an object; rosbase runs no event loop.
 

@@ -1,4 +1,4 @@
-"""Which backend and which logger a manager or a lone node gets."""
+"""Choose the backend and the logger of a manager or a standalone node."""
 
 import os
 from collections.abc import Callable
@@ -20,21 +20,21 @@ __all__ = [
 ]
 
 BACKEND_VARIABLE = "ROSBASE_BACKEND"
-"""The environment variable that names the backend where a program does not."""
+"""Environment variable that names the backend if the program does not."""
 
 DEFAULT_BACKEND = "local"
 
 
 def backend_name(chosen: str | None = None) -> str:
-    """The name of the backend to use: the chosen one, what the environment says, or `local`."""
+    """Return the name of the backend: the chosen one, the one in the environment, or `local`."""
     return chosen or os.environ.get(BACKEND_VARIABLE) or DEFAULT_BACKEND
 
 
 def open_backend(backend: str | Backend | None, options: BackendOptions) -> Backend:
-    """Opens a backend by name, or takes the one that is given.
+    """Open a backend by name, or use the given one.
 
     Raises:
-        NotInstalledError: No backend of that name can be used.
+        NotInstalledError: No backend of that name is installed.
     """
     if isinstance(backend, Backend):
         return backend
@@ -48,12 +48,12 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
 def open_logger(
     backend: Backend, name: str, custom: Callable[[str], Any] | None = None
 ) -> RosbaseLogger:
-    """Return the logger of a manager or a lone node, under the name that its world has for it.
+    """Return the logger of a manager or a standalone node, under its name in the backend.
 
     Args:
         backend: Its backend.
         name: The name of the manager or node.
-        custom: A class of the application's own, which is called with the name.
+        custom: A class of the application, which is called with the name.
     """
     return make_logger(
         backend.log_name or name,
@@ -68,11 +68,11 @@ _lone_name = ""
 
 
 def name_lone_nodes(name: str) -> None:
-    """Gives that name to the nodes of this process that have no manager and no name."""
+    """Give that name to the nodes of this process that have no manager and no name."""
     global _lone_name  # noqa: PLW0603 - it concerns the process
     _lone_name = name
 
 
 def lone_node_name(node: object) -> str:
-    """The name of a node that has no manager and was given none: by default, of its class."""
+    """Return the name of a node without a manager and a name: by default, its class's."""
     return _lone_name or type(node).__name__

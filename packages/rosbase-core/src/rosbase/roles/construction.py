@@ -14,7 +14,7 @@ InitT = TypeVar("InitT", bound=Callable[..., None])
 
 
 class Constructed:
-    """A class whose whole constructor, subclasses' parts included, is undone if it fails."""
+    """A class whose whole constructor, including subclasses' parts, is undone if it fails."""
 
     _is_under_construction = False
 
@@ -24,10 +24,10 @@ class Constructed:
             cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]  # as decorated
 
     def _abandon(self) -> None:
-        """Undo what the constructor has done so far."""
+        """Undo the work of the constructor so far."""
 
     def _end_program(self) -> None:
-        """End what would keep the rest of the program going, because a signal has ended this."""
+        """End everything that would keep the program running, because a signal has ended this."""
 
 
 def constructor(init: InitT) -> InitT:
@@ -91,4 +91,4 @@ def _is_in_virtual_time(backend: object) -> bool:
 
 
 def _nothing() -> None:
-    """What a wish asks for while a constructor runs: its end is enough."""
+    """Do nothing: while a constructor runs, a request to stop only ends it."""

@@ -1,4 +1,4 @@
-"""What nodes, agents and handlers see of the manager that registered them, if one did."""
+"""The view that nodes, agents and handlers have of their manager, if they have one."""
 
 from typing import Any, Protocol
 
@@ -8,30 +8,30 @@ __all__ = ["Component", "ManagerContext"]
 
 
 class ManagerContext(Protocol):
-    """The part of a manager that its components rely on. `BaseManager` is one."""
+    """Part of a manager that its components use. `BaseManager` has it."""
 
     backend: Backend
     logger: Any
     nodes: dict[str, Any]
-    """By name, in order of registration; grows while components are built."""
+    """Nodes by name, in order of registration; grows while components are built."""
     agents: dict[str, Any]
-    """By name, as `nodes`."""
+    """Agents by name, as `nodes`."""
     key_being_built: str
-    """The name, in `nodes` or `agents`, of the component that is being built; or empty."""
+    """Name, in `nodes` or `agents`, of the component that is being built; or empty."""
     node_freq_hz: float
     state: str | None
     timestamp: int
 
 
 class Component:
-    """What nodes, agents and handlers have in common: they know their manager, or do without."""
+    """Base class of nodes, agents and handlers. It knows the manager, or works without one."""
 
     manager: Any
-    """The manager, or None. Programs may use what their own manager class adds to it."""
+    """Manager, or None. Programs may use additions of their own manager class."""
     logger: Any
-    """The manager's logger, or one of its own: a `RosbaseLogger`.
+    """Logger of the manager, or one of its own: a `RosbaseLogger`.
 
-    With a `custom_logger` it also has the methods of that.
+    With a `custom_logger` it also has the methods of that class.
     """
     _is_initialised = False
     """Whether the constructor of this class has run."""
@@ -42,10 +42,10 @@ class Component:
         self._is_initialised = True
 
     def __getattr__(self, name: str) -> Any:
-        """Say what is wrong where a constructor uses what it has not made yet.
+        """Explain the error if a constructor uses an attribute before it exists.
 
         Raises:
-            AttributeError: Always; Python asks here only for what is not there.
+            AttributeError: Always; Python calls this only for missing attributes.
         """
         if not self._is_initialised and name in ("manager", "logger", "_backend"):
             raise AttributeError(
@@ -58,30 +58,30 @@ class Component:
         return f"<{' '.join([type(self).__name__, *self._repr_parts()])}>"
 
     def _repr_parts(self) -> list[str]:
-        """Return what the repr shows after the class. Works before the constructor has run."""
+        """Return the part of the repr after the class. Works before the constructor has run."""
         return [repr(self._key)] if self._is_initialised and self._key else []
 
     @property
     def _label(self) -> str:
-        """What the log calls it: its key at the manager, or its class."""
+        """Name in the log: its key at the manager, or its class."""
         return self._key or type(self).__name__
 
     @property
     def nodes(self) -> dict[str, Any]:
-        """The manager's nodes by name; none without a manager."""
+        """Nodes of the manager by name; none without a manager."""
         return self.manager.nodes if self.manager is not None else {}
 
     @property
     def agents(self) -> dict[str, Any]:
-        """The manager's agents by name; none without a manager."""
+        """Agents of the manager by name; none without a manager."""
         return self.manager.agents if self.manager is not None else {}
 
     @property
     def timestamp(self) -> int:
-        """Ticks of the manager's main loop; 0 without a manager."""
+        """Number of ticks of the manager's main loop; 0 without a manager."""
         return self.manager.timestamp if self.manager is not None else 0
 
     @property
     def node_freq_hz(self) -> float:
-        """The rate of the manager's main loop; 0 without a manager."""
+        """Rate of the manager's main loop; 0 without a manager."""
         return self.manager.node_freq_hz if self.manager is not None else 0.0

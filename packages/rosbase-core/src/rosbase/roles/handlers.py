@@ -1,4 +1,4 @@
-"""The handlers: one call per cycle, where scheduling and task state machines live."""
+"""The handlers: called once per tick, for scheduling and task state machines."""
 
 from typing import Any
 
@@ -9,20 +9,20 @@ __all__ = ["BaseHandlers"]
 
 
 class BaseHandlers(Component):
-    """Decides, once per tick, what nodes and agents do next."""
+    """Base class of handlers, which decide once per tick what nodes and agents do next."""
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
-        """Attaches to the manager; ignores whatever else is forwarded."""
+        """Attach to the manager; ignore the other forwarded arguments."""
         super().__init__(manager)
         self.logger = manager.logger if manager is not None else RosbaseLogger(type(self).__name__)
         self._own_state: str | None = None
 
     def handle(self) -> None:
-        """Called once per tick of the main loop. Do what is due and return soon."""
+        """Do the work that is due and return soon. Called once per tick of the main loop."""
 
     @property
     def timestamp(self) -> int:
-        """Ticks of the manager's main loop, to read and to set; 0 without a manager."""
+        """Number of ticks of the manager's main loop, to read and to set; 0 without a manager."""
         return super().timestamp
 
     @timestamp.setter
@@ -32,7 +32,7 @@ class BaseHandlers(Component):
 
     @property
     def state(self) -> str | None:
-        """The manager's state, to read and to set."""
+        """State of the manager, to read and to set."""
         return self.manager.state if self.manager is not None else self._own_state
 
     @state.setter

@@ -33,20 +33,20 @@ class LifecyclePublisher:
 
     @property
     def topic(self) -> str:
-        """The full name of the topic."""
+        """Full name of the topic."""
         return self._publisher.topic
 
     @property
     def inner(self) -> Publisher:
-        """The backend's publisher."""
+        """Publisher of the backend."""
         return self._publisher
 
     def publish(self, message: Any) -> bool:
-        """Hand the message on if the node is active; return whether it was, and the message went.
+        """Hand the message on if the node is active; return whether it was sent.
 
         Raises:
-            TypeError: As `rosbase.Publisher.publish`.
-            ValueError: As `rosbase.Publisher.publish`.
+            TypeError: See `rosbase.Publisher.publish`.
+            ValueError: See `rosbase.Publisher.publish`.
         """
         return self.is_enabled and self._send(message) is not False
 
@@ -54,26 +54,29 @@ class LifecyclePublisher:
 class LifecycleNode(BaseNode):
     """A node that is configured, activated, deactivated and cleaned up on request.
 
-    Override the `on_...` callbacks. Each is given the primary state that the node was in,
-    and answers SUCCESS, FAILURE (back to where it was) or ERROR (`on_error` follows).
-    Whoever answers FAILURE leaves the reason in `last_error`, to be logged. Raising is
-    ERROR. One transition runs at a time; requests for another, or for one that does not
-    start at the present state, are refused and change nothing.
+    Override the `on_...` callbacks. Each receives the previous primary state. It returns
+    SUCCESS, FAILURE (back to the previous state) or ERROR (`on_error` follows). A callback
+    that returns FAILURE puts the reason in `last_error`, to be logged. An exception counts as
+    ERROR. One transition runs at a time. Requests for another, or for one that does not start
+    at the current state, are refused and change nothing.
 
     Publishers send only while the node is active. Subscriptions and timers run in every state,
-    as in rclpy: a callback that should do nothing while the node is inactive looks at
-    `get_state()`, or is created in `on_activate` and destroyed in `on_deactivate`.
+    as in rclpy. If a callback should do nothing while the node is inactive, check
+    `get_state()` in it. Or create it in `on_activate` and destroy it in `on_deactivate`.
     """
 
     autostart: Autostart = "none"
     """How far the manager brings this node up by itself."""
 
     def __init__(self, manager: Any = None, *args: Any, **kwargs: Any) -> None:
-        """As every node; starts unconfigured."""
+        """Start unconfigured. The arguments are those of `BaseNode`."""
         super().__init__(manager, *args, **kwargs)
         self.last_error: BaseException | None = None
-        """What went wrong the last time: raised by a callback, left by one that answered
-        FAILURE, or given to `raise_error`."""
+        """Reason of the last failure.
+
+        It is an exception of a callback, the text left by one that returned FAILURE, or
+        the text given to `raise_error`.
+        """
         self._machine = Machine()
         self._transition_lock = threading.Lock()
         self._transition_thread: int | None = None
@@ -86,33 +89,33 @@ class LifecycleNode(BaseNode):
     # What users override.
 
     def on_configure(self, previous_state: State) -> CallbackReturn:
-        """Called on configure. Read parameters and take what the node needs."""
+        """Read parameters and acquire resources. Called on configure."""
         return CallbackReturn.SUCCESS
 
     def on_activate(self, previous_state: State) -> CallbackReturn:
-        """Called on activate. Start the work; publishers are enabled on SUCCESS."""
+        """Start the work. Called on activate; publishers are enabled on SUCCESS."""
         return CallbackReturn.SUCCESS
 
     def on_deactivate(self, previous_state: State) -> CallbackReturn:
-        """Called on deactivate, publishers being disabled already. Stop the work."""
+        """Stop the work. Called on deactivate, when publishers are already disabled."""
         return CallbackReturn.SUCCESS
 
     def on_cleanup(self, previous_state: State) -> CallbackReturn:
-        """Called on cleanup. Give back what `on_configure` took."""
+        """Release what `on_configure` acquired. Called on cleanup."""
         return CallbackReturn.SUCCESS
 
     def on_shutdown(self, previous_state: State) -> CallbackReturn:
-        """Called on shutdown, from any of the other states. Stop, and give everything back."""
+        """Stop, and release everything. Called on shutdown, from any of the other states."""
         return CallbackReturn.SUCCESS
 
     def on_error(self, previous_state: State) -> CallbackReturn:
-        """Called after ERROR. Undo everything: SUCCESS means unconfigured, else finalized."""
+        """Undo everything: SUCCESS leads to unconfigured, else finalized. Called after ERROR."""
         return CallbackReturn.SUCCESS
 
     # What users call.
 
     def get_state(self) -> State:
-        """Where the lifecycle is, also while a transition runs."""
+        """Return the current state of the lifecycle, also while a transition runs."""
         return self._machine.state
 
     def describe_transition(self) -> str:
@@ -124,55 +127,57 @@ class LifecycleNode(BaseNode):
         return f"busy: {self._machine.state.label} since {seconds:.0f} s"
 
     def get_available_transitions(self) -> tuple[Transition, ...]:
-        """The transitions that start at the present state."""
+        """Return the transitions that start at the current state."""
         return self._machine.available_transitions()
 
     def add_transition_listener(self, listener: Callable[[TransitionEvent], object]) -> None:
-        """Has `listener(event)` called after each step, on the thread that takes it."""
+        """Call `listener(event)` after each step, on the thread that takes it."""
         self._listeners.append(listener)
 
     def trigger_configure(self) -> CallbackReturn:
-        """unconfigured -> inactive. As all of these, it answers what the callback did.
+        """Run unconfigured -> inactive. Like all of these, return the result of the callback.
 
         Raises:
-            TransitionNotAvailableError: Not from this state, or another one is under way.
+            TransitionNotAvailableError: It does not start at this state, or another one is
+                running.
         """
         return self.request_transition(label="configure")
 
     def trigger_activate(self) -> CallbackReturn:
-        """inactive -> active."""
+        """Run inactive -> active."""
         return self.request_transition(label="activate")
 
     def trigger_deactivate(self) -> CallbackReturn:
-        """active -> inactive."""
+        """Run active -> inactive."""
         return self.request_transition(label="deactivate")
 
     def trigger_cleanup(self) -> CallbackReturn:
-        """inactive -> unconfigured."""
+        """Run inactive -> unconfigured."""
         return self.request_transition(label="cleanup")
 
     def trigger_shutdown(self) -> CallbackReturn:
-        """unconfigured, inactive or active -> finalized."""
+        """Run unconfigured, inactive or active -> finalized."""
         return self.request_transition(label="shutdown")
 
     def request_transition(self, transition_id: int = 0, label: str = "") -> CallbackReturn:
-        """Runs the transition of that label, or else of that id, with its callback.
+        """Run the transition of that label, or else of that id, with its callback.
 
         Returns:
-            What the callback answered. ERROR stays ERROR when `on_error` has mended it.
+            The result of the callback. ERROR stays ERROR even if `on_error` has recovered.
 
         Raises:
-            TransitionNotAvailableError: Not from this state, or another one is under way.
+            TransitionNotAvailableError: It does not start at this state, or another one is
+                running.
         """
         return self._drive(lambda: self._machine.request(transition_id, label))
 
     def bring_up(self, stopping: Callable[[], object] = lambda: False) -> bool:
-        """Brings the node as far as its `autostart` says; tells whether it got there.
+        """Bring the node as far as its `autostart` says; return whether it got there.
 
-        It goes no farther once `stopping` says so.
+        It goes no further once `stopping` returns true.
 
         Raises:
-            ValueError: `autostart` says something else.
+            ValueError: `autostart` has another value.
         """
         labels = {"none": (), "configure": ("configure",), "activate": ("configure", "activate")}
         if self.autostart not in labels:
@@ -191,10 +196,10 @@ class LifecycleNode(BaseNode):
         return True
 
     def take_down(self, *, finalize: bool) -> None:
-        """Deactivates and cleans the node up, and with `finalize` shuts it down.
+        """Deactivate and clean the node up, and with `finalize` shut it down.
 
-        Every step is attempted. What ends the program is raised at the end. A transition that
-        runs on another thread has a few seconds to come to its end first.
+        Every step is attempted. An exception that ends the program is raised at the end. A
+        transition that runs on another thread has a few seconds to finish first.
         """
         if self._transition_thread != threading.get_ident():
             if self._transition_lock.acquire(timeout=_TRANSITION_PATIENCE_S):
@@ -218,13 +223,13 @@ class LifecycleNode(BaseNode):
             raise failure
 
     def raise_error(self, error: BaseException) -> CallbackReturn:
-        """Reports a fault outside of any transition: `on_error` runs, as after ERROR.
+        """Report a fault outside of any transition: `on_error` runs, as after ERROR.
 
         Returns:
-            What `on_error` answered.
+            The result of `on_error`.
 
         Raises:
-            TransitionNotAvailableError: The node is finalized, or a transition is under way.
+            TransitionNotAvailableError: The node is finalized, or a transition is running.
         """
 
         def begin() -> TransitionEvent:
@@ -239,14 +244,14 @@ class LifecycleNode(BaseNode):
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
     ) -> LifecyclePublisher:
-        """A publisher that sends only while the node is active."""
+        """Create a publisher that sends only while the node is active."""
         publisher = LifecyclePublisher(super().create_publisher(msg_type, topic, qos_profile))
         publisher.is_enabled = self._machine.state is State.ACTIVE
         self._gated.append(publisher)
         return publisher
 
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher."""
+        """Destroy a publisher."""
         if isinstance(publisher, LifecyclePublisher):
             publisher.is_enabled = False
             if publisher in self._gated:
@@ -268,7 +273,7 @@ class LifecycleNode(BaseNode):
 
     @property
     def _prefix(self) -> str:
-        """Who speaks, where the logger is the manager's."""
+        """Name of the node in log lines, where the logger is the manager's."""
         is_managers = self.manager is not None and self._label != self.manager.backend.node_name
         return f"{self._label}: " if is_managers else ""
 
@@ -302,7 +307,7 @@ class LifecycleNode(BaseNode):
         return answer
 
     def _call_back(self) -> CallbackReturn:
-        """Runs the callback of the present state; gives its answer."""
+        """Run the callback of the current state; return its result."""
         name, known_error = CALLBACKS[self._machine.state], self.last_error
         try:
             answer = getattr(self, name)(self._machine.previous_state)
@@ -319,7 +324,7 @@ class LifecycleNode(BaseNode):
         return CallbackReturn.ERROR
 
     def _reason(self, known_error: BaseException | None) -> object:
-        """What a callback left in `last_error`."""
+        """Return the reason that a callback left in `last_error`."""
         is_new = self.last_error is not known_error and self.last_error is not None
         return self.last_error if is_new else "no reason (set last_error to give one)"
 

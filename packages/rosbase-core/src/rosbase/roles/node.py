@@ -1,4 +1,4 @@
-"""The node: communication and caching, attached to a manager or alone, with the same code."""
+"""The node: communication and caching, with a manager or standalone, with the same code."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
@@ -23,9 +23,9 @@ _NS_PER_S = 1_000_000_000
 
 
 class BaseNode(Constructed, Component):
-    """Publishes, subscribes, and keeps what came in for handlers and agents to read.
+    """Base class of nodes: publishes, subscribes, and caches data for handlers and agents.
 
-    With a manager it uses the manager's connection. Without one it opens its own, and
+    With a manager it uses the manager's connection. Without a manager it opens its own, and
     `start_spin_standalone()` runs it.
     """
 
@@ -39,15 +39,15 @@ class BaseNode(Constructed, Component):
         custom_logger: Callable[[str], Any] | None = None,
         **kwargs: Any,
     ) -> None:
-        """Attaches to the manager, or opens a connection.
+        """Attach to the manager, or open a connection.
 
         Args:
             manager: The manager that registers this node, if one does.
-            args: Whatever the manager forwards; ignored here.
-            node_name: The name of a lone node; that of its class by default.
-            backend: The backend of a lone node, by name or ready made.
-            custom_logger: A class that a lone node calls with its name for its logger.
-            kwargs: Whatever the manager forwards; ignored here.
+            args: Arguments that the manager forwards; ignored here.
+            node_name: The name of a standalone node; by default made from its class.
+            backend: The backend of a standalone node, by name or ready made.
+            custom_logger: A class that a standalone node calls with its name for its logger.
+            kwargs: Arguments that the manager forwards; ignored here.
         """
         super().__init__(manager)
         self._stop_requested = False
@@ -62,7 +62,7 @@ class BaseNode(Constructed, Component):
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
     ) -> Publisher:
-        """A publisher of messages of that type, with that depth or profile."""
+        """Create a publisher of messages of that type, with that depth or profile."""
         return self._backend.create_publisher(msg_type, topic, qos_profile)
 
     def create_subscription(
@@ -72,9 +72,9 @@ class BaseNode(Constructed, Component):
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile = 10,
     ) -> Subscription:
-        """Has `callback(message)` called on the main-loop thread.
+        """Create a subscription: `callback(message)` is called on the main-loop thread.
 
-        As many messages as the depth says wait for it; older ones are dropped and counted.
+        Up to `depth` messages wait for it; older ones are dropped and counted.
 
         Raises:
             TypeError: The callback cannot be called, or is async or a generator.
@@ -83,7 +83,9 @@ class BaseNode(Constructed, Component):
         return self._backend.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
-        """Has `callback()` called on the main-loop thread, every so many seconds.
+        """Create a timer:
+
+        `callback()` is called on the main-loop thread, once per period in seconds.
 
         Raises:
             TypeError: The callback cannot be called, or is async or a generator.
@@ -92,25 +94,25 @@ class BaseNode(Constructed, Component):
         return self._backend.create_timer(timer_period_sec, callback)
 
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher."""
+        """Destroy a publisher."""
         self._backend.destroy_publisher(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Ends a subscription: its callback is not called again."""
+        """Destroy a subscription: its callback is not called again."""
         self._backend.destroy_subscription(subscription)
 
     def destroy_timer(self, timer: Timer) -> None:
-        """Ends a timer."""
+        """Destroy a timer."""
         self._backend.destroy_timer(timer)
 
     def get_clock(self) -> Clock:
-        """The clock: `get_clock().now()` is a stamp."""
+        """Return the clock: `get_clock().now()` is a stamp."""
         return self._backend.clock
 
     def declare_parameter(
         self, name: str, value: ParameterValue, spec: ParameterSpec | None = None
     ) -> Parameter:
-        """Makes a parameter known, and gives it with its value as it was set from outside.
+        """Declare a parameter, and return it with its value as set from outside.
 
         Args:
             name: Its name.
@@ -118,12 +120,12 @@ class BaseNode(Constructed, Component):
             spec: More about it, such as its range; its name and default are those above.
 
         Raises:
-            ParameterError: It exists already, or was set to something that it cannot be.
+            ParameterError: It exists already, or was set to an invalid value.
         """
         return self._backend.declare_parameter(spec or ParameterSpec(name, value))
 
     def get_parameter(self, name: str) -> Parameter:
-        """A declared parameter; what it is set to is its `value`.
+        """Return a declared parameter; its `value` is the current one.
 
         Raises:
             ParameterError: It has not been declared.
@@ -131,25 +133,25 @@ class BaseNode(Constructed, Component):
         return self._backend.get_parameter(name)
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all of them, or none.
+        """Set all parameters, or none.
 
         Returns:
-            Whether they were set, and the reason if not, such as a parameter that is undeclared,
-            read-only or no value of its declared type, or a callback that refuses it.
+            Whether they were set, and the reason if not. A parameter may be undeclared or
+            read-only, its value may have another type, or a callback may refuse it.
         """
         return self._backend.set_parameters(parameters)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback(parameters)` on the main-loop thread before parameters are set.
 
-        It answers a `SetParametersResult`; what it refuses stays as it is, with its reason told to
-        whoever sets it.
+        The callback returns a `SetParametersResult`. Refused parameters keep their values,
+        and the caller that sets them gets the reason.
         """
         check_callback(callback, "add_on_set_parameters_callback")
         self._backend.add_on_set_parameters_callback(callback)
 
     def start_spin_standalone(self) -> None:
-        """Runs a lone node until SIGINT or SIGTERM, then cleans up after it.
+        """Run a standalone node until SIGINT or SIGTERM, then clean up after it.
 
         Raises:
             RuntimeError: The node belongs to a manager, which does the spinning.
@@ -165,17 +167,21 @@ class BaseNode(Constructed, Component):
             self._run(stop)
 
     def request_stop(self) -> None:
-        """End the spinning of a lone node, or the main loop of the manager. From any thread."""
+        """End the spinning of a standalone node, or the manager's main loop.
+
+        Call it from any thread.
+        """
         if self.manager is not None:
             self.manager.request_stop()
         else:
             self._request_stop()
 
     def release_resources(self) -> None:
-        """Called when the node ends. Override it to release files, threads and devices."""
+        """Release files, threads and devices. Called when the node ends."""
 
     def destroy_node(self) -> None:
-        """Closes a lone node's own connection. Harmless when done, or with a manager."""
+        """Close a standalone node's own connection. Do nothing if it is closed, or with a manager.
+        """
         if self.manager is None:
             self._backend.close()
 
@@ -188,7 +194,7 @@ class BaseNode(Constructed, Component):
             self._backend.end_run()
 
     def _abandon(self) -> None:
-        """Give back what a constructor that failed has taken."""
+        """Release the resources of a constructor that failed."""
         if self.__dict__.get("manager") is None and hasattr(self, "_backend"):
             self._backend.close()
 
@@ -209,10 +215,10 @@ class BaseNode(Constructed, Component):
             raise failure
 
     def _begin(self) -> None:
-        """What a lone node does before it is spun."""
+        """Prepare a standalone node before it is spun."""
 
     def _end(self) -> None:
-        """What a lone node does once it is not spun any more."""
+        """Clean up a standalone node after it was spun."""
 
     def _shut_down(self, stop: StopSignals | None) -> BaseException | None:
         return run_steps(

@@ -1,4 +1,4 @@
-"""The shutdown order: every step is attempted, whatever the ones before it did."""
+"""The shutdown order: every step is attempted, even if steps before it failed."""
 
 import threading
 from collections.abc import Callable, Iterable
@@ -24,11 +24,11 @@ def run_steps(
     """Run the named steps in order.
 
     Args:
-        steps: What each is called, and what it does.
+        steps: Name and function of each step.
         logger: Logs each exception with its traceback.
         stop: The signals that may end a step that blocks.
-        end_run: Ends the rest of the program. It comes first if the program was told to end from
-            outside, because what the other steps wait for may wait for this one; otherwise last.
+        end_run: Ends the rest of the program. It comes first if the program was stopped from
+            outside, because the other steps may wait for it; otherwise last.
 
     Returns:
         The first exception that one of them raised; none for a step that a signal ended.
@@ -55,15 +55,15 @@ def run_steps(
 
 
 def is_wish(error: BaseException, stop: StopSignals | None) -> bool:
-    """Tell whether an exception is how a wish to stop has ended code that blocked."""
+    """Return whether an exception is a request to stop that ended blocking code."""
     return isinstance(error, KeyboardInterrupt) and stop is not None and stop.came_from_outside
 
 
 def name_threads_left(known: Iterable[threading.Thread], logger: RosbaseLogger) -> None:
-    """Log the threads for which Python will wait before the process can end.
+    """Log the threads that Python waits for before the process can end.
 
     Args:
-        known: Threads that are not the application's: those from before it was built.
+        known: Threads that are not the application's, because they existed before it was built.
         logger: Logs a line for each.
     """
     ignored = {threading.current_thread(), threading.main_thread(), *known}
