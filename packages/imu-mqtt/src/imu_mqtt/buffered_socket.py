@@ -1,4 +1,4 @@
-"""What stands between paho and the network: large reads and writes, TLS, and a WebSocket."""
+"""The layer between paho and the network: large reads and writes, TLS, and a WebSocket."""
 
 import socket
 import ssl
@@ -16,19 +16,20 @@ _MOST_UNSENT_BYTES = 65_536
 
 
 class BufferedSocket:
-    """A connection that is read by its owner, and as much of a socket as paho uses.
+    """A connection that its owner reads, with the socket methods that paho uses.
 
-    The owner reads what arrives with `fill`, and gives paho only the packets that are for it with
-    `offer`. paho alone would read each packet in four system calls, and keep whatever it is sent.
+    The owner reads arriving data with `fill`, and passes only paho's packets on with `offer`.
+    paho alone would read each packet in four system calls, and keep everything that it
+    receives.
     """
 
     def __init__(self, inner: socket.socket, dial: Dial, websocket: WebSocket | None) -> None:
-        """Take over a socket that is connected.
+        """Take over a connected socket.
 
         Args:
             inner: The socket.
-            dial: How long may be waited for what comes before MQTT.
-            websocket: Carries the MQTT; None where nothing does.
+            dial: Limits the time until MQTT begins.
+            websocket: Carries the MQTT; None without a WebSocket.
         """
         self._inner = inner
         self._dial = dial
@@ -41,16 +42,16 @@ class BufferedSocket:
         self.is_over = False
         """Whether nothing more can be read."""
         self.failure: Exception | None = None
-        """Why nothing more can be read, if the other end has not just closed it."""
+        """Reason why nothing more can be read, if the other end has not just closed it."""
         self.fileno = inner.fileno
 
     def setblocking(self, flag: object) -> None:
-        """Do nothing: it never waits but for what comes before MQTT, and then with a limit."""
+        """Do nothing: the socket waits only before MQTT begins, and then with a limit."""
 
     settimeout = setblocking
 
     def do_handshake(self) -> None:
-        """Do what comes before MQTT: TLS and the WebSocket's request, where they are used.
+        """Run the handshakes before MQTT: TLS and the WebSocket's request, where they are used.
 
         Raises:
             OSError: The other end is gone, or does not answer in time.
@@ -70,16 +71,16 @@ class BufferedSocket:
         raise WebSocketError("it hung up")
 
     def pending(self) -> int:
-        """Return how many bytes are there that `poll` does not see."""
+        """Return the number of bytes that `poll` does not see."""
         inner = self._inner
         below = inner.pending() if isinstance(inner, ssl.SSLSocket) else 0
         return len(self._early) + below
 
     def fill(self, room: memoryview) -> int:
-        """Read what has arrived into `room`, as much as it takes, up to 64 KiB.
+        """Read arrived data into `room`, as much as it takes, up to 64 KiB.
 
         Returns:
-            How many bytes of MQTT that was. 0 also at the end, which `is_over` tells.
+            The number of bytes of MQTT. It is 0 at the end too; then `is_over` is true.
         """
         try:
             if self._websocket is not None:
@@ -107,11 +108,11 @@ class BufferedSocket:
         return count
 
     def offer(self, packet: bytes) -> None:
-        """Have paho read this next."""
+        """Offer data for paho to read next."""
         self._offered += packet
 
     def recv(self, size: int) -> bytes:
-        """Return some of what was offered. Called by paho; raises what a socket does."""
+        """Return some of the offered data. Called by paho; raises the errors of a socket."""
         if self._offered:
             data = bytes(self._offered[:size])
             del self._offered[:size]
@@ -123,17 +124,17 @@ class BufferedSocket:
         return b""
 
     def send(self, data: bytes) -> int:
-        """Send all of it, now or with the next `flush`. Called by paho."""
+        """Send all data, now or with the next `flush`. Called by paho."""
         self.queue(data)
         self.flush()
         return len(data)
 
     def queue(self, data: bytes) -> None:
-        """Send this with the next `flush`."""
+        """Queue data for the next `flush`."""
         self._unsent += data if self._websocket is None else self._websocket.frame(data)
 
     def flush(self) -> None:
-        """Send what waits, as much as the network takes."""
+        """Send waiting data, as much as the network takes."""
         if self._unsent:
             try:
                 del self._unsent[: self._inner.send(self._unsent)]
@@ -143,7 +144,7 @@ class BufferedSocket:
 
     @property
     def has_unsent(self) -> bool:
-        """Whether the network has yet to take some of what was sent."""
+        """Whether some data has not been taken by the network yet."""
         return bool(self._unsent)
 
     @property
@@ -152,7 +153,7 @@ class BufferedSocket:
         return len(self._unsent) > _MOST_UNSENT_BYTES
 
     def close(self) -> None:
-        """Close it; first, with TLS, look why the other end has, if nobody has read that yet."""
+        """Close the socket. With TLS, first read why the other end has closed it."""
         if isinstance(self._inner, ssl.SSLSocket) and not self.is_over:
             with suppress(ValueError):
                 self.fill(memoryview(bytearray(_READ_BYTES)))
@@ -160,23 +161,23 @@ class BufferedSocket:
 
 
 class SocketWrapper:
-    """What paho takes for a TLS context, because it asks that to wrap its socket."""
+    """Stands in for a TLS context, because paho asks that to wrap its socket."""
 
     check_hostname = True
-    """Has paho leave that to the context behind this one."""
+    """False, so that paho leaves the check to the real context."""
 
     def __init__(
         self, tls: ssl.SSLContext | None, dial: Dial, websocket: WebSocket | None = None
     ) -> None:
-        """Take the context of a secure connection, and what a BufferedSocket takes."""
+        """Take the context of a secure connection, and the arguments of a BufferedSocket."""
         self._tls = tls
         self._dial = dial
         self._websocket = websocket
         self.made: BufferedSocket | None = None
-        """The socket that paho uses."""
+        """Socket that paho uses."""
 
     def wrap_socket(self, sock: socket.socket, server_hostname: str, **_: Any) -> BufferedSocket:
-        """Return the socket that paho is to use."""
+        """Return the socket for paho."""
         if self._tls is not None:
             sock = self._tls.wrap_socket(
                 sock, server_hostname=server_hostname, do_handshake_on_connect=False

@@ -1,4 +1,4 @@
-"""What `rosbase doctor` is told of the broker: whether it is there, and lets us read the topic."""
+"""Checks of the broker for `rosbase doctor`: it is there, and lets us read the topic."""
 
 from collections.abc import Iterable, Mapping
 
@@ -20,7 +20,7 @@ __all__ = ["check_broker"]
 
 
 def check_broker(context: CheckContext) -> Iterable[Finding]:
-    """Connects and subscribes, as a reader would, and leaves no trace there."""
+    """Connect and subscribe, as a reader would, and leave no trace there."""
     try:
         config = _as_a_guest(context.values)
     except ParameterError as refusal:
@@ -39,13 +39,14 @@ def check_broker(context: CheckContext) -> Iterable[Finding]:
 
 
 def _as_a_guest(values: Mapping[str, ParameterValue]) -> MqttConfig:
-    """With a name of its own: the broker would throw out who has the same, and tell others."""
+    """Return the settings with another client name. A broker disconnects a client of the same name.
+    """
     client_id = f"{values['client_id']}-doctor" if values["client_id"] else ""
     return MqttConfig.from_values({**values, "client_id": client_id, "status_topic": ""})
 
 
 def _try(config: MqttConfig, clock: Clock) -> TransportError | None:
-    """Connects and subscribes, and gives why that failed."""
+    """Connect and subscribe, and return the reason if that fails."""
     try:
         connection = Connection(config, clock, lambda message: None, lambda: True)
     except TransportError as error:

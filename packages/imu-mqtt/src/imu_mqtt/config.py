@@ -1,4 +1,4 @@
-"""The parameters of a broker and a topic, and the settings that their values amount to."""
+"""The parameters of a broker and a topic, and the settings made from them."""
 
 import errno
 import os
@@ -16,7 +16,7 @@ from rosbase import ParameterError, ParameterSpec, ParameterValue, TransportErro
 __all__ = ["PARAMETERS", "PASSWORD_VARIABLE", "Address", "MqttConfig"]
 
 PASSWORD_VARIABLE = "ROSBASE_MQTT_PASSWORD"
-"""The environment variable that may hold the password."""
+"""Environment variable that may hold the password."""
 
 _PORTS = {"tcp": 1883, "mqtt": 1883, "mqtts": 8883, "ssl": 8883, "ws": 80, "wss": 443, "unix": 0}
 _SECURE = frozenset({"mqtts", "ssl", "wss"})
@@ -59,19 +59,19 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
         description="whether a broker that is absent or refuses is waited for, not a failure",
     ),
 )
-"""What the transport adds to a reader's parameters. The first says which broker, and so on."""
+"""Parameters that the transport adds to a reader's. The first one selects the broker."""
 
 
 @frozen
 class Address:
-    """Where a broker is."""
+    """Address of a broker."""
 
     scheme: str
     host: str
-    """A name or an address; of a Unix socket, its path."""
+    """Name or address; of a Unix socket, its path."""
     port: int
     path: str = "/mqtt"
-    """Of a WebSocket."""
+    """Path of a WebSocket."""
 
     @property
     def is_secure(self) -> bool:
@@ -83,16 +83,16 @@ class Address:
 
     @property
     def place(self) -> str:
-        """Host and port, as a URL has them."""
+        """Host and port, as in a URL."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"{host}:{self.port}"
 
     @classmethod
     def parse(cls, text: str) -> "Address":
-        """The address that a URL says.
+        """Return the address in a URL.
 
         Raises:
-            ParameterError: It is none, or says more than an address.
+            ParameterError: It is not a URL, or has more parts than an address.
         """
         # What these errors say may be a part of a password.
         try:
@@ -112,7 +112,7 @@ class Address:
 
 @frozen
 class MqttConfig:
-    """How to reach a broker, and what to read there."""
+    """Settings of the connection and the subscription."""
 
     address: Address
     topic: str
@@ -130,10 +130,10 @@ class MqttConfig:
 
     @classmethod
     def from_values(cls, values: Mapping[str, ParameterValue]) -> "MqttConfig":
-        """The settings from checked parameter values.
+        """Return the settings from checked parameter values.
 
         Raises:
-            ParameterError: They contradict each other, or a topic is none.
+            ParameterError: They contradict each other, or a topic is invalid.
         """
         given: dict[str, Any] = dict(values)
         address = Address.parse(given["server_address"])
@@ -169,11 +169,11 @@ class MqttConfig:
 
     @property
     def is_filter(self) -> bool:
-        """Whether the topic stands for several."""
+        """Whether the topic has a wildcard."""
         return "+" in self.topic or "#" in self.topic
 
     def read_password(self) -> str | None:
-        """The password, from the file or the environment, as it is now.
+        """Return the password, from the file or the environment, as it is now.
 
         Raises:
             TransportError: The file cannot be read, or holds no password.
@@ -200,7 +200,7 @@ class MqttConfig:
 
 
 def _complaint(text: str, url: SplitResult, port: int | None) -> str:
-    """What is wrong with an address, without its secrets; empty if nothing."""
+    """Return the fault of an address, without its secrets; empty if there is none."""
     known = ", ".join(f"{scheme}://" for scheme in _PORTS)
     if "@" in text and not text.startswith("unix:"):
         return f"takes no user and no password: set username, and ${PASSWORD_VARIABLE}"
@@ -218,7 +218,7 @@ def _complaint(text: str, url: SplitResult, port: int | None) -> str:
 
 
 def _open_file(path: str, flags: int) -> int:
-    """Opens a file, but no pipe: that can be read once, and each connection needs the password."""
+    """Open a file, but no pipe: a pipe can be read once, and each connection needs the password."""
     fd = os.open(path, flags | os.O_NONBLOCK)
     if stat.S_ISFIFO(os.fstat(fd).st_mode):
         os.close(fd)
@@ -227,12 +227,12 @@ def _open_file(path: str, flags: int) -> int:
 
 
 def _path(text: str) -> str:
-    """A path, with the user's home for ~, as shells would have it. Empty stays empty."""
+    """Return a path, with the user's home for ~, as shells do. Empty stays empty."""
     return os.path.expanduser(text)
 
 
 def _stands_for(topic_filter: str, topic: str) -> bool:
-    """Whether a subscription gets what is sent to a topic."""
+    """Return whether a subscription receives messages of a topic."""
     wanted, levels = topic_filter.split("/"), topic.split("/")
     if wanted[-1] == "#":
         wanted.pop()
@@ -243,7 +243,7 @@ def _stands_for(topic_filter: str, topic: str) -> bool:
 
 
 def _is_text(text: str) -> bool:
-    """Whether MQTT can carry it."""
+    """Return whether MQTT can carry the text."""
     try:
         return "\0" not in text and len(text.encode()) <= _MOST_BYTES
     except UnicodeEncodeError:

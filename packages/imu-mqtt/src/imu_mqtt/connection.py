@@ -1,7 +1,7 @@
 """One connection to a broker, from its beginning to its end.
 
-Everything that arrives goes through a `PacketReader`. Messages are handed over and acknowledged
-here; the session is given the rest. So whatever a broker sends, nothing is kept of it.
+All arriving data goes through a `PacketReader`. Messages are handed over and acknowledged here;
+the session gets the rest. So nothing is kept, whatever a broker sends.
 """
 
 import select
@@ -22,7 +22,7 @@ __all__ = ["Connection", "OnMessage"]
 OnMessage: TypeAlias = Callable[[Message], None]
 
 ANSWER_TIMEOUT_S = 1.5
-"""How long the broker may take for each answer."""
+"""Timeout for each answer of the broker."""
 
 # Waking up for each message costs more than the message. Where they come more often than so,
 # they are left to gather for a moment.
@@ -40,7 +40,7 @@ _COMPLETED = b"\x70\x02"
 
 
 class Connection:
-    """A connection to one broker. Everything happens on the thread that calls."""
+    """A connection to one broker. Everything happens on the calling thread."""
 
     def __init__(
         self,
@@ -53,12 +53,11 @@ class Connection:
         """Prepare to connect.
 
         Args:
-            config: To which broker, and as whom.
+            config: Settings of the broker and the client.
             clock: For deadlines.
             on_message: Gets the messages. It must not raise.
-            is_wanted: Asked while an answer is awaited: whether to go on waiting.
-            on_look: Called in each `turn` when the network has been looked at, before anything
-                is read.
+            is_wanted: Called while an answer is awaited; returns whether to go on waiting.
+            on_look: Called in each `turn` after polling the network, before anything is read.
 
         Raises:
             TransportError: The password or a certificate cannot be read.
@@ -84,7 +83,7 @@ class Connection:
         self._session = Session(config, lambda: dial.reach(config.address), self._wrapper)
 
     def open(self) -> None:
-        """Connect, and wait for the broker's answer; some seconds at most.
+        """Connect, and wait some seconds at most for the broker's answer.
 
         Raises:
             RefusedError: The broker, or TLS, refuses.
@@ -107,7 +106,7 @@ class Connection:
         self._session.say(ONLINE)
 
     def watch(self, fd: int) -> None:
-        """Have `turn` end when that descriptor can be read, too."""
+        """End `turn` also when that descriptor can be read."""
         self._poll.register(fd, select.POLLIN)
 
     def subscribe(self) -> None:
@@ -146,10 +145,10 @@ class Connection:
             self._await(lambda: session.answer is not None)
 
     def turn(self, timeout_s: float) -> bool:
-        """Wait for something to do and do it; tell whether the connection still stands.
+        """Wait for work and do it; return whether the connection still stands.
 
         Raises:
-            TransportError: What the broker sends makes no sense.
+            TransportError: The broker sends invalid data.
         """
         if self._session.is_over:
             return False
@@ -171,7 +170,8 @@ class Connection:
         return self._session.keep_alive()
 
     def _await_event(self, sock: BufferedSocket, timeout_s: float) -> int:
-        """Return what the network is ready for; where messages come in a hurry, after a moment."""
+        """Return the events that the network is ready for; if messages come fast, after a moment.
+        """
         wants = select.POLLIN | (select.POLLOUT if sock.has_unsent else 0)
         if wants != self._wants:
             self._wants = wants
@@ -182,7 +182,7 @@ class Connection:
         return events
 
     def _read(self, sock: BufferedSocket) -> None:
-        """Take what has arrived, all of it but for a flood."""
+        """Read all data that has arrived, with a limit for a flood."""
         # And so it stays where the next packet is none.
         self._is_behind = True
         # Whoever awaits an answer takes it before what comes behind it.
@@ -201,10 +201,10 @@ class Connection:
             self._session.note_end()
 
     def _take_message(self, message: Message, sock: BufferedSocket) -> None:
-        """Hand it over, whatever its quality of service, and then acknowledge it.
+        """Hand a message over, whatever its quality of service, and then acknowledge it.
 
-        Messages of QoS 2 are handed over when they arrive, and not when they are released, as the
-        standard allows: so nothing is kept of one that never is.
+        As the standard allows, messages of QoS 2 are handed over on arrival, not on
+        release. So nothing is kept of a message that is never released.
         """
         qos, packet_id = message.qos, message.packet_id
         if qos == 2:
@@ -226,7 +226,7 @@ class Connection:
             self._session.take(packet)
 
     def _measure_hurry(self) -> None:
-        """See how fast packets come, and note now and then that the broker lives."""
+        """Measure how fast packets come, and note now and then that the broker is alive."""
         now_ns = self._clock.monotonic_ns()
         passed_ns = now_ns - self._measured_ns
         is_due = passed_ns >= _WINDOW_NS
@@ -239,7 +239,7 @@ class Connection:
 
     @property
     def end(self) -> str:
-        """The reason why it ended, in one line."""
+        """Reason why the connection ended, in one line."""
         return self._session.end or "the connection was lost"
 
     def close(self) -> None:
@@ -265,7 +265,7 @@ class Connection:
             pass
 
     def _dial(self) -> TransportError | None:
-        """Connect; return why that failed, without the traceback, for it holds a socket."""
+        """Connect; return why that failed, without the traceback, which would hold a socket."""
         try:
             self._session.connect()
         except Exception as error:
@@ -277,7 +277,7 @@ class Connection:
         return cast(BufferedSocket, self._wrapper.made)
 
     def _no_mqtt(self, error: MalformedError) -> TransportError:
-        """Return why it ends with a packet that is none."""
+        """Return the message for a connection that ends with an invalid packet."""
         if self._session.is_accepted:
             return TransportError(f"{self._config.address} sends no MQTT: {error}")
         return self._session.speaks_otherwise(str(error))
@@ -289,7 +289,7 @@ class Connection:
         return TransportError(self.end)
 
     def _await(self, is_there: Callable[[], bool]) -> bool:
-        """Wait for an answer of the broker; tell whether it came in time."""
+        """Wait for an answer of the broker; return whether it came in time."""
         self._is_awaiting = True
         try:
             return self._turn_until(is_there)

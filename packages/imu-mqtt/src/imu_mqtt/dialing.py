@@ -1,4 +1,4 @@
-"""Reaching a broker: within a time, however its network stalls, and only while that is wanted."""
+"""Reach a broker within a time limit, even if the network stalls, and only while it is wanted."""
 
 import errno
 import os
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 DIAL_TIMEOUT_S = 2.0
-"""How long it may take to reach the broker, TLS and WebSocket included."""
+"""Timeout for reaching the broker, TLS and WebSocket included."""
 
 # How soon it is noticed that nobody wants it any more.
 _LOOK_S = 0.05
@@ -38,32 +38,33 @@ _WRONG_NAME = (62, 64)
 
 
 class RefusedError(DevicePermissionError):
-    """The broker is there, and does not want this client as it is: trying again at once is idle."""
+    """The broker refuses this client as it is: trying again at once cannot help."""
 
     def __init__(self, text: str, advice: str = "") -> None:
-        """With what to do about it, where that is known."""
+        """Take the advice for the user, where it is known."""
         super().__init__(text)
         self.advice = advice
 
 
 class TlsError(RefusedError):
-    """There is no secure connection: one of the two does not trust the other, or has no TLS."""
+    """TLS failed: one side does not trust the other, or has no TLS."""
 
 
 class Dial:
-    """One attempt to reach a broker, with a limit for all of it but the look-up of its name."""
+    """One attempt to reach a broker, with a time limit for everything but the look-up of its name.
+    """
 
     def __init__(self, clock: Clock, is_wanted: Callable[[], bool], limit_s: float) -> None:
-        """Begins."""
+        """Start the time limit."""
         self._clock = clock
         self._is_wanted = is_wanted
         self._deadline_ns = clock.monotonic_ns() + int(limit_s * 1e9)
 
     def reach(self, address: Address) -> socket.socket:
-        """A socket that is connected and never waits.
+        """Return a connected socket that never waits.
 
         Raises:
-            OSError: Nobody is there, or not in time; the last reason of several.
+            OSError: Nobody answers, or not in time; the last reason of several.
         """
         if address.scheme == "unix":
             return self._connect(socket.AF_UNIX, address.host, self._left_s)
@@ -79,10 +80,10 @@ class Dial:
         raise failure or TimeoutError
 
     def wait(self, sock: socket.socket, events: int, limit_s: float | None = None) -> None:
-        """Waits until it can be read or written.
+        """Wait until the socket can be read or written.
 
         Raises:
-            TimeoutError: It cannot in time, or nobody wants it any more.
+            TimeoutError: It cannot in time, or the connection is not wanted any more.
         """
         poll = select.poll()
         poll.register(sock, events)
@@ -94,7 +95,7 @@ class Dial:
             self._check(deadline_ns)
 
     def send(self, sock: socket.socket, data: bytes) -> None:
-        """Send all of it. Raises OSError."""
+        """Send all data. Raises OSError."""
         while data:
             try:
                 data = data[sock.send(data) :]
@@ -111,7 +112,7 @@ class Dial:
                 self.wait(sock, select.POLLIN)
 
     def shake_hands(self, sock: ssl.SSLSocket) -> None:
-        """Does TLS's part. Raises OSError."""
+        """Run the TLS handshake. Raises OSError."""
         while True:
             try:
                 sock.do_handshake()
@@ -149,10 +150,10 @@ class Dial:
 
 
 def tls_context(config: MqttConfig) -> ssl.SSLContext | None:
-    """What a secure connection needs; None if it is not to be one.
+    """Return the TLS context of a secure connection; None for a plain one.
 
     Raises:
-        TlsError: A file is not what it should be.
+        TlsError: A file is missing or invalid.
     """
     if not config.address.is_secure:
         return None
@@ -170,7 +171,7 @@ def tls_context(config: MqttConfig) -> ssl.SSLContext | None:
 
 
 def unreachable(address: Address, error: Exception) -> TransportError:
-    """What an error while dialing says to a user."""
+    """Return the message to the user for an error while dialing."""
     if address.is_secure and isinstance(error, (ConnectionResetError, ssl.SSLEOFError)):
         # A broker that is being restarted does so too, so this is no reason to try less often.
         return TransportError(f"{address} hung up on TLS; if it expects none, say tcp:// or ws://")
@@ -198,6 +199,6 @@ def _advice_on_tls(error: ssl.SSLError) -> str:
 
 
 def words_of(error: Exception) -> str:
-    """Return what the system, or TLS, says of an error, in one line."""
+    """Return the text of an error from the system or TLS, in one line."""
     reason = getattr(error, "verify_message", "") or getattr(error, "strerror", "") or str(error)
     return one_line(str(reason))

@@ -1,4 +1,4 @@
-"""The thread that keeps a connection to the broker, for as long as one is wanted."""
+"""The thread that keeps a connection to the broker as long as one is wanted."""
 
 import select
 import threading
@@ -32,15 +32,15 @@ _MANY_REASONS = 8
 
 
 class NetworkThread:
-    """Connects, subscribes while that is wanted, and begins again when the connection ends.
+    """Connects, subscribes on request, and starts again when the connection ends.
 
-    It alone touches the connection. Others say what is wanted, and wake it.
+    Only this thread touches the connection. Other threads set their wishes, and wake it.
     """
 
     def __init__(
         self, config: MqttConfig, context: TransportContext, tally: Tally, stamper: Stamper
     ) -> None:
-        """Prepares to connect."""
+        """Prepare to connect."""
         self._config = config
         self._context = context
         self._tally = tally
@@ -71,7 +71,7 @@ class NetworkThread:
         self._thread = threading.Thread(target=self._run, name="imu-mqtt", daemon=True)
 
     def start(self) -> None:
-        """Begins."""
+        """Start the thread."""
         try:
             self._thread.start()
         except RuntimeError:
@@ -80,25 +80,25 @@ class NetworkThread:
 
     @property
     def is_current_thread(self) -> bool:
-        """Whether the caller runs on this thread, which is to say within `on_frame`."""
+        """Whether the caller runs on this thread, which means within `on_frame`."""
         return threading.current_thread() is self._thread
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the thread has ended or been asked to."""
+        """Whether the thread has ended or was asked to."""
         return self._stopping or self._has_ended
 
     def await_attempt(self, timeout_s: float) -> TransportError | None:
-        """Waits for the first attempt to connect; gives why it failed, if it did.
+        """Wait for the first attempt to connect; return the reason if it failed.
 
-        Nothing is tried again after that, unless `wait_for_broker` is set.
+        There is no other attempt after that, unless `wait_for_broker` is set.
         """
         if not self._is_tried.wait(timeout_s):
             return TransportError(f"no answer from {self._config.address}")
         return self._failure
 
     def want(self, subscription: Subscription | None) -> None:
-        """Says which subscription there is to be from now on, if any."""
+        """Set the subscription that is wanted from now on, if any."""
         self._wanted = subscription
         if subscription is not None and not self.is_connected:
             # Made when there is a connection; nobody need wait for that.
@@ -106,12 +106,12 @@ class NetworkThread:
         self._wakeup.wake()
 
     def request_stop(self) -> None:
-        """Asks the thread to disconnect and end."""
+        """Ask the thread to disconnect and end."""
         self._stopping = True
         self._wakeup.wake()
 
     def join(self, timeout_s: float) -> bool:
-        """Waits for the end; tells whether it came in time."""
+        """Wait for the end; return whether it came in time."""
         self._thread.join(timeout_s)
         return not self._thread.is_alive()
 
@@ -131,7 +131,7 @@ class NetworkThread:
             self._is_tried.set()
 
     def _connect_and_serve(self) -> float:
-        """One connection, from its beginning to its end; gives how long to wait after it."""
+        """Serve one connection from beginning to end; return how long to wait after it."""
         try:
             self._connection = Connection(
                 self._config,
@@ -165,7 +165,7 @@ class NetworkThread:
                 self._note_proved()
 
     def _turn(self, connection: Connection) -> bool:
-        """Hands over what has arrived, together; tells whether the connection still stands."""
+        """Hand over all arrived messages together; return whether the connection still stands."""
         subscription, stamper = self._made, self._stamper
         until_ns = self._context.clock.monotonic_ns() + _TURN_NS
         try:
@@ -181,7 +181,7 @@ class NetworkThread:
         return stands
 
     def _read_on(self, connection: Connection, subscription: Subscription) -> bool:
-        """Reads all that has waited; tells whether the connection still stands."""
+        """Read all waiting data; return whether the connection still stands."""
         self._reads_on = True
         try:
             kept, stands = 0, True
@@ -239,7 +239,7 @@ class NetworkThread:
         self._is_tried.set()
 
     def _note_proved(self) -> None:
-        """The connection has lasted."""
+        """Note that the connection has lasted."""
         self._is_proved = True
         if self._early_ends >= _MANY_ENDS:
             self._say_connected()
@@ -249,7 +249,7 @@ class NetworkThread:
             backoff.reset()
 
     def _note_end(self, error: TransportError) -> float:
-        """Says why there is no connection; gives how long to wait before the next."""
+        """Log why there is no connection; return how long to wait before the next."""
         if not self._was_connected:
             self._failure = self._failure or error
             # Whoever opens is told, and decides.
@@ -292,7 +292,7 @@ class NetworkThread:
             wanted.answer()
 
     def _sleep(self, seconds: float) -> None:
-        """Waits, unless the thread is to end."""
+        """Wait, unless the thread must end."""
         wakeup = select.poll()
         wakeup.register(self._wakeup, select.POLLIN)
         deadline_ns = self._context.clock.monotonic_ns() + int(seconds * 1e9)
@@ -311,10 +311,10 @@ class NetworkThread:
         self._has_complained = False
 
     def _say(self, reason: str) -> None:
-        """Logs why there is no data, once for each reason in a row.
+        """Log why there is no data, once for each reason in a row.
 
-        And no more than a few times until a connection lasts, for reasons may take turns, or be
-        another one each time.
+        Until a connection lasts, log no more than a few times, because reasons may
+        alternate or differ each time.
         """
         if reason not in self._said and len(self._said) >= _MANY_REASONS:
             reason = f"the connection to {self._config.address} fails for ever new reasons"

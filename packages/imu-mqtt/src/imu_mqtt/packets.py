@@ -1,8 +1,8 @@
 """The packets that a broker sends: bytes in, packets out. No I/O, and bounded memory.
 
-It trusts the broker with nothing: lengths, flags and the order of packets are checked here, before
-anything else reads them. A message is decoded. The other packets, which are rare, are handed on
-whole, and none of them is longer than a few kilobytes.
+The broker is not trusted: lengths, flags and the order of packets are checked here, before any
+other code reads them. Messages are decoded. The other packets are rare, and are handed on whole.
+None of them is longer than a few kilobytes.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,10 @@ __all__ = [
 ]
 
 MOST_PACKET_BYTES = 2 * 65_536 + 1_024
-"""A longer message is skipped, and counted: twice the longest payload, and its topic."""
+"""Maximum length of a packet: twice the longest payload, and its topic.
+
+Longer ones are skipped and counted.
+"""
 
 CONNACK, PUBLISH, PUBACK, PUBREL, SUBACK = 0x20, 0x30, 0x40, 0x62, 0x90
 UNSUBACK, PINGRESP, DISCONNECT = 0xB0, 0xD0, 0xE0
@@ -56,25 +59,25 @@ _HAVE_ID = frozenset({PUBACK, PUBREL, SUBACK, UNSUBACK})
 
 
 class MalformedError(Exception):
-    """The broker sends what is not MQTT, or not at that moment. The stream ends here."""
+    """The broker sends data that is not MQTT, or not at that moment. The stream ends here."""
 
 
 class Message(NamedTuple):
-    """A message that was published."""
+    """A published message."""
 
     topic: str
-    """With escapes for what is not UTF-8."""
+    """Topic, with escapes for bytes that are not UTF-8."""
     payload: bytes
-    """Empty if the message was too long to be kept."""
+    """Payload; empty if the message was too long to be kept."""
     qos: int
     packet_id: int
     retain: bool
     dup: bool
-    """Whether the broker says that it sends it again."""
+    """Whether the broker sends it again, as it says."""
     size: int
-    """Length of the payload in bytes; of one that was not kept, with the properties before it."""
+    """Length of the payload in bytes; if it was not kept, with the properties before it."""
     fault: str
-    """Why it cannot be a frame, as a word to count by: `overlong`, `bad_topic`, or empty."""
+    """Reason why it cannot be a frame, as a word to count by: `overlong`, `bad_topic`, or empty."""
 
 
 class Control(NamedTuple):
@@ -82,23 +85,23 @@ class Control(NamedTuple):
 
     kind: int
     packet_id: int
-    """0 if it has none."""
+    """Packet id; 0 if it has none."""
     data: bytes
-    """All of it."""
+    """Whole packet."""
 
 
 class PacketReader:
-    """Cuts a stream into packets.
+    """Splits a stream into packets.
 
-    Write what arrives into `room`, say how much it was with `add`, and call `take` until it has
-    no more packets.
+    Write arriving data into `room`, give its length to `add`, and call `take` until it has no
+    more packets.
     """
 
     def __init__(self, *, is_5: bool) -> None:
         """Begin a connection.
 
         Args:
-            is_5: Whether MQTT 5 is spoken, and not 3.1.1.
+            is_5: Whether the protocol is MQTT 5, not 3.1.1.
         """
         self._is_5 = is_5
         self._lengths = _LENGTHS_5 if is_5 else _LENGTHS
@@ -113,7 +116,7 @@ class PacketReader:
         self._raw_topic, self._topic, self._topic_fault = b"", "", "bad_topic"
 
     def room(self) -> memoryview:
-        """Return where the next bytes go."""
+        """Return the buffer for the next bytes."""
         if self._start == self._end:
             self._start = self._end = 0
         elif len(self._buffer) - self._end < _READ_BYTES:
@@ -123,14 +126,14 @@ class PacketReader:
         return self._view[self._end : self._end + _READ_BYTES]
 
     def add(self, count: int) -> None:
-        """Take the bytes that were written into `room`."""
+        """Add the bytes that were written into `room`."""
         self._end += count
 
     def take(self) -> Message | Control | None:
         """Return the next packet; None if it has not arrived yet.
 
         Raises:
-            MalformedError: What arrived is not MQTT. It is raised again by every further call.
+            MalformedError: The data is not MQTT. Every further call raises it again.
         """
         if self._skipped is not None:
             return self._skip()
@@ -155,7 +158,7 @@ class PacketReader:
         return packet
 
     def _long_length(self, start: int) -> tuple[int, int]:
-        """Return the length of a packet, and where its body begins; 0 if that is not known yet."""
+        """Return the length of a packet, and the start of its body; 0 if that is not known yet."""
         length = 0
         for number in range(4):
             place = start + 1 + number
@@ -168,7 +171,7 @@ class PacketReader:
         raise MalformedError("a packet without a length")
 
     def _check(self, kind: int, length: int) -> None:
-        """Refuse what no broker sends, or not now, as soon as it begins."""
+        """Refuse packets that no broker sends, or not now, as soon as they begin."""
         if kind == CONNACK and self._is_greeted:
             raise MalformedError("a second answer to our greeting")
         if kind != CONNACK and not self._is_greeted:
@@ -217,14 +220,14 @@ class PacketReader:
         return after, packet_id
 
     def _note_topic(self, raw: bytes) -> None:
-        """Decode a topic, and say whether it is one that MQTT allows."""
+        """Decode a topic, and return whether MQTT allows it."""
         topic = raw.decode(errors="backslashreplace")
         is_valid = bool(raw) and "+" not in topic and "#" not in topic and _is_text(raw, topic)
         self._raw_topic, self._topic = raw, topic
         self._topic_fault = "" if is_valid else "bad_topic"
 
     def _after_properties(self, after: int, stop: int) -> int:
-        """Return where the properties of a message end: none of them means anything to us."""
+        """Return where the properties of a message end; they are ignored."""
         length = 0
         for number in range(4):
             if after + number >= stop:
@@ -239,7 +242,7 @@ class PacketReader:
         raise MalformedError("a message that is shorter than its properties")
 
     def _begin_skipping(self, kind: int, body: int, stop: int) -> Message | None:
-        """Keep the head of a message that is too long, and throw the rest away as it comes."""
+        """Keep the head of a message that is too long, and discard the rest as it comes."""
         # A topic, the two lengths around it, and a packet id: less than what is kept for a packet.
         head = body + 2 + (self._buffer[body] << 8 | self._buffer[body + 1]) + 2
         if self._end < body + 2 or self._end < head:
@@ -251,7 +254,7 @@ class PacketReader:
         return self._skip()
 
     def _skip(self) -> Message | None:
-        """Throw away what has arrived of a long message; return it when that was all of it."""
+        """Discard arrived data of a long message; return the message when that was all of it."""
         count = min(self._skip_bytes, self._end - self._start)
         self._skip_bytes -= count
         self._start += count
@@ -262,7 +265,7 @@ class PacketReader:
 
 
 def _is_text(raw: bytes, topic: str) -> bool:
-    """Whether it is UTF-8 without control characters, which MQTT advises against."""
+    """Return whether it is UTF-8 without control characters, which MQTT advises against."""
     try:
         raw.decode()
     except UnicodeDecodeError:

@@ -1,4 +1,4 @@
-"""Registers the transport `mqtt`, presets and a check. Imports no network library."""
+"""Register the transport `mqtt`, presets and a check. Imports no network library."""
 
 from collections.abc import Iterable, Mapping
 
@@ -47,7 +47,7 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 
 @hookimpl
 def rosbase_transports() -> Iterable[TransportPlugin]:
-    """Payloads from a topic of a broker."""
+    """Register payloads from a topic of a broker."""
     yield TransportPlugin(
         "mqtt",
         "payloads from an MQTT broker",
@@ -60,7 +60,7 @@ def rosbase_transports() -> Iterable[TransportPlugin]:
 
 @hookimpl
 def rosbase_presets() -> Iterable[PresetPlugin]:
-    """The payloads of firmwares that speak MQTT."""
+    """Register the payloads of firmware that uses MQTT."""
     yield PresetPlugin(
         "esp32_workshop",
         "ESP32 with an MPU6050 that sends accX .. gycZ in m/s^2 and rad/s, and a local time",
@@ -89,5 +89,5 @@ def rosbase_presets() -> Iterable[PresetPlugin]:
 
 @hookimpl
 def rosbase_checks() -> Iterable[CheckPlugin]:
-    """The broker."""
+    """Register the check of the broker."""
     yield CheckPlugin("mqtt", "the broker, and whether it lets us in", _check)

@@ -1,8 +1,10 @@
-"""The dialogue with a broker: greeting, subscription, pings, status. The one to touch paho here.
+"""The dialogue with a broker: greeting, subscription, pings, status.
 
-paho has a thread of its own to offer, which a callback that raises would end, which dials for
-ever, and which nobody can wake. Here it has none, and it is given only the packets that it waits
-for: it keeps whatever a broker sends. Its callbacks only note what happened.
+Only this module uses paho here.
+
+paho's own thread is not used: a callback that raises would end it, it dials for ever, and nobody
+can wake it. paho keeps everything that a broker sends, so it gets only the packets that it waits
+for. Its callbacks only note events.
 """
 
 import os
@@ -24,21 +26,21 @@ from rosbase import TransportError, printable
 __all__ = ["OFFLINE", "ONLINE", "Session"]
 
 ONLINE, OFFLINE = b"online", b"offline"
-"""What the status topic keeps, as long as there is a connection and when it has ended."""
+"""Contents of the status topic, during a connection and after its end."""
 
 _FOR_NOW = frozenset({"Server unavailable", "Server busy", "Connection rate exceeded"})
 _MAX_QUEUED = 10
 
 
 class _Client(mqtt.Client):
-    """paho's client, on a socket that is given to it.
+    """paho's client, on a given socket.
 
-    paho's own connecting has no limit over all its steps, and for a Unix socket none at all. The
-    two methods are not public: should paho do without them, it connects as it does by itself.
+    paho's own way to connect has no time limit over all its steps, and for a Unix socket none
+    at all. The two methods are not public. If paho drops them, it connects in its own way.
     """
 
     reach: Callable[[], socket.socket]
-    """Gives the socket."""
+    """Returns the socket."""
 
     def _create_socket_connection(self) -> socket.socket:
         return self.reach()
@@ -48,7 +50,7 @@ class _Client(mqtt.Client):
 
 
 class Session:
-    """What is said to one broker, and what it answers."""
+    """Dialogue with one broker, and its answers."""
 
     def __init__(
         self, config: MqttConfig, reach: Callable[[], socket.socket], wrapper: SocketWrapper
@@ -56,9 +58,9 @@ class Session:
         """Prepare to connect.
 
         Args:
-            config: As whom, and what to subscribe to.
-            reach: Gives a socket that is connected to the broker.
-            wrapper: Puts between that socket and paho what stands there.
+            config: Settings of the client and the subscription.
+            reach: Returns a socket that is connected to the broker.
+            wrapper: Wraps that socket for paho.
 
         Raises:
             TransportError: The password cannot be read.
@@ -68,13 +70,13 @@ class Session:
         self._published: set[int] = set()
         self._asked: tuple[int, int] | None = None
         self.is_accepted = False
-        """Whether the broker has let us in."""
+        """Whether the broker has accepted the client."""
         self.refusal: TransportError | None = None
-        """Why it has not."""
+        """Reason of a refusal."""
         self.answer: list[Any] | None = None
-        """The codes with which the broker has answered the last request."""
+        """Codes of the broker's answer to the last request."""
         self.end = ""
-        """Why it ended, in one line; empty if it has not."""
+        """Reason of the end, in one line; empty if it has not ended."""
         self._client = client = _client(config)
         client.reach = reach
         client.tls_set_context(cast(Any, wrapper))
@@ -88,7 +90,7 @@ class Session:
         return self._client.socket() is None
 
     def connect(self) -> None:
-        """Connect and greet. Raise whatever goes wrong."""
+        """Connect and greet. Raise every error."""
         config = self._config
         self._client.connect(
             config.address.host,
@@ -99,15 +101,15 @@ class Session:
         )
 
     def disconnect(self) -> None:
-        """Say so, if the network takes it at once, and close the socket. Idempotent."""
+        """Say goodbye, if the network takes it at once, and close the socket. Idempotent."""
         self._client.disconnect()
 
     def subscribe(self) -> bool:
-        """Ask for messages; `answer` will say what became of it. False if it is over."""
+        """Ask for messages; `answer` will have the result. Return False if the session is over."""
         return self._ask(SUBACK, self._client.subscribe(self._config.topic, self._config.qos)[1])
 
     def unsubscribe(self) -> bool:
-        """Ask for no more messages. False if it is over."""
+        """Ask for no more messages. Return False if the session is over."""
         return self._ask(UNSUBACK, self._client.unsubscribe(self._config.topic)[1])
 
     def say(self, status: bytes) -> None:
@@ -117,9 +119,9 @@ class Session:
             self._published.add(self._client.publish(topic, status, qos=1, retain=True).mid)
 
     def take(self, packet: Control) -> None:
-        """Have paho read a packet, if one like it is due.
+        """Pass a packet to paho, if it waits for one like it.
 
-        Others are dropped: an answer to nothing may just be late.
+        Others are dropped: an unexpected answer may just be late.
         """
         kind, packet_id, data = packet
         if kind in (SUBACK, UNSUBACK):
@@ -133,20 +135,20 @@ class Session:
         self._feed(data)
 
     def note_life(self) -> None:
-        """Have paho know that something has arrived: it may be as good as the answer to a ping."""
+        """Tell paho that data has arrived, which may count as the answer to a ping."""
         if self.is_accepted:
             self._feed(bytes([PINGRESP, 0]))
 
     def note_end(self) -> None:
-        """Have paho find out that nothing more can be read."""
+        """Tell paho that nothing more can be read."""
         self._feed(b"")
 
     def keep_alive(self) -> bool:
-        """Ping if it is time; tell whether the connection still stands."""
+        """Ping if it is time; return whether the connection still stands."""
         return self._client.loop_misc() is MQTTErrorCode.MQTT_ERR_SUCCESS
 
     def speaks_otherwise(self, why: str = "") -> RefusedError:
-        """Return what to say where the first packet is none, and why it is none."""
+        """Return the message and the reason where the first packet is invalid."""
         return RefusedError(
             f"{self._config.address} speaks no MQTT {self._config.version}{why and f': {why}'}",
             "is it the port of a WebSocket (ws://), or of another version (mqtt_version)?",
@@ -244,7 +246,7 @@ def _limits() -> Properties:
 
 
 def _explained(code: object, properties: object) -> str:
-    """Return what the broker says with a code, and with MQTT 5 in its own words."""
+    """Return the broker's reason for a code, with MQTT 5 in its own words."""
     words = str(getattr(properties, "ReasonString", ""))
     elsewhere = str(getattr(properties, "ServerReference", ""))
     text = f"{code} ({printable(words)})" if words else str(code)

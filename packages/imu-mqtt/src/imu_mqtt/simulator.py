@@ -1,4 +1,4 @@
-"""A stand-in for a device that sends to a broker: both of them, in this process."""
+"""A simulated device that sends to an embedded broker: both in this process."""
 
 import asyncio
 import socket
@@ -29,7 +29,7 @@ _MOST_UNDER_WAY = 20
 
 
 class _CleanBroker(Broker):  # type: ignore[misc]  # amqtt is an extra, and not checked
-    """Ends its clients before itself: amqtt, which does both at once, at times hangs over it."""
+    """A broker that ends its clients before itself: amqtt does both at once, and at times hangs."""
 
     def __init__(self, config: dict[str, Any]) -> None:
         super().__init__(config)
@@ -58,16 +58,16 @@ class _CleanBroker(Broker):  # type: ignore[misc]  # amqtt is an extra, and not 
 
 
 class EmbeddedBroker:
-    """A broker in Python, on a port of this machine's own, on a thread. For demos and tests."""
+    """A broker in Python, on a local port, on a thread. For demos and tests."""
 
     def __init__(self, port: int | None = None) -> None:
-        """Starts it.
+        """Start the broker.
 
         Raises:
             TransportError: It does not start.
         """
         self.port = port or _free_port()
-        """Where it listens."""
+        """Port where it listens."""
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="broker", daemon=True)
         self._thread.start()
@@ -79,11 +79,11 @@ class EmbeddedBroker:
 
     @property
     def address(self) -> str:
-        """What clients must be given."""
+        """Address for clients."""
         return f"tcp://127.0.0.1:{self.port}"
 
     def close(self) -> None:
-        """Ends it, and every connection to it. Idempotent."""
+        """Close it, and every connection to it. Idempotent."""
         if self._thread.is_alive():
             self._run(self._broker.shutdown())
             self._end()
@@ -110,11 +110,11 @@ class EmbeddedBroker:
 class BrokeredDevice:
     """A device that sends to an embedded broker: a `rosbase.PluggableDevice`.
 
-    Its plug is the broker's: when it is pulled, both the reader and the device lose the broker.
+    Its plug is the broker's: if you pull it, both the reader and the device lose the broker.
     """
 
     def __init__(self) -> None:
-        """Starts the broker, and connects to it.
+        """Start the broker, and connect to it.
 
         Raises:
             TransportError: One of the two does not work.
@@ -126,12 +126,12 @@ class BrokeredDevice:
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
-        """What the transport `mqtt` must be given to reach this device."""
+        """Parameters with which the transport `mqtt` reaches this device."""
         return {"server_address": self._broker.address, "mqtt_topic": _TOPIC, "qos": 1}
 
     @property
     def has_room(self) -> bool:
-        """Whether the broker has taken most of what was sent."""
+        """Whether the broker has taken most of the sent payloads."""
         while self._under_way and self._under_way[0].is_published():
             self._under_way.popleft()
         return not self._is_closed and len(self._under_way) < _MOST_UNDER_WAY
@@ -157,7 +157,7 @@ class BrokeredDevice:
         self._is_closed = False
 
     def unplug(self) -> None:
-        """Disconnect, and end the broker. Idempotent."""
+        """Disconnect, and close the broker. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             self._client.disconnect()
@@ -165,7 +165,7 @@ class BrokeredDevice:
             self._broker.close()
 
     def send(self, payload: bytes) -> None:
-        """Sends one payload. Waits while too many are under way.
+        """Send one payload. Wait while too many are on their way.
 
         Raises:
             TransportError: The link has been closed, or the broker does not take it.

@@ -1,4 +1,4 @@
-"""One subscription, from start to stop: which messages are frames, and handing those over."""
+"""One subscription, from start to stop: tells which messages are frames, and hands them over."""
 
 import threading
 from collections import deque
@@ -17,7 +17,7 @@ from rosbase import (
 __all__ = ["MAX_PAYLOAD_BYTES", "Subscription"]
 
 MAX_PAYLOAD_BYTES = 65_536
-"""Longer payloads are refused. Known IMUs stay under 500 bytes."""
+"""Maximum length of a payload; longer ones are refused. Known IMUs stay under 500 bytes."""
 
 _REMEMBERED = 100
 # Of what is read together, so much is kept until all of it is there.
@@ -39,15 +39,15 @@ class Subscription:
         *,
         is_filter: bool,
     ) -> None:
-        """Begins with no message seen.
+        """Start with no message seen.
 
         Args:
             on_frame: Gets the frames.
-            tally: Where everything is counted.
+            tally: Counts everything.
             context: For the log.
             stamper: Stamps the frames.
-            is_filter: Whether it has a wildcard. Of several topics the first that gives a sample
-                is read, until it gives none for the context's `stale_timeout_s`.
+            is_filter: Whether it has a wildcard. Then the first topic that gives a sample is read,
+                until it gives none for the context's `stale_timeout_s`.
         """
         self._on_frame: OnFrame | None = on_frame
         self._tally = tally
@@ -66,9 +66,9 @@ class Subscription:
         self._refusal: TransportError | None = None
 
     def answer(self, refusal: TransportError | None = None) -> bool:
-        """Notes what the broker has said, or that nobody is there to say anything.
+        """Note the broker's answer, or that there is no broker.
 
-        Tells whether somebody may listen: only the first answer counts.
+        Return whether the subscription may go on: only the first answer counts.
         """
         if self._lock is not None:
             self._lock.begin_anew(self._context.clock.monotonic_ns())
@@ -79,12 +79,12 @@ class Subscription:
         return True
 
     def await_answer(self, timeout_s: float) -> TransportError | None:
-        """Waits for the broker's answer; gives why it refuses, if it does."""
+        """Wait for the broker's answer; return the reason if it refuses."""
         self._is_answered.wait(timeout_s)
         return self._refusal
 
     def end(self, timeout_s: float) -> bool:
-        """Hands over no more; tells whether the last `on_frame` returned in time."""
+        """Stop handing over; return whether the last `on_frame` returned in time."""
         self._on_frame = None
         # From within `on_frame` it is held already, by this thread.
         if not self._delivering.acquire(timeout=timeout_s):
@@ -103,16 +103,16 @@ class Subscription:
         fault: str,
         size: int,
     ) -> None:
-        """Keep a message until those that came with it are there, or count why it is no frame.
+        """Keep a message until the ones that came with it are there, or count why it is no frame.
 
         Args:
-            payload: What is in it; empty if it was too long to be kept.
-            read_ns: The moment of the read, as the stamper gave it, for `deliver`.
-            topic: Where it was published.
+            payload: Its payload; empty if it was too long to be kept.
+            read_ns: The moment of the read, from the stamper, for `deliver`.
+            topic: The topic where it was published.
             retained: Whether the broker has kept it from an earlier time.
-            redelivered: Whether the broker says that it sends it again.
-            fault: Why it cannot be a frame, if its packet says so already.
-            size: How many bytes the payload had.
+            redelivered: Whether the broker sends it again, as it says.
+            fault: Why it cannot be a frame, if its packet shows that already.
+            size: The length of the payload in bytes.
         """
         tally = self._tally
         tally.received_bytes += size
@@ -129,7 +129,7 @@ class Subscription:
 
     @property
     def kept(self) -> int:
-        """How many frames wait for `deliver`."""
+        """Number of frames that wait for `deliver`."""
         return len(self._kept)
 
     def deliver(self, read_ns: int) -> None:
@@ -168,7 +168,7 @@ class Subscription:
         fault: str,
         now_ns: int,
     ) -> str:
-        """Why a message is no frame, in one word; empty if it is one."""
+        """Return why a message is no frame, in one word; empty if it is one."""
         if fault == "bad_topic":
             self._name_bad_topic(topic)
             return fault
@@ -190,7 +190,7 @@ class Subscription:
         return ""
 
     def _name_bad_topic(self, topic: str) -> None:
-        """Log one such topic. Whoever may publish can invent as many as they like."""
+        """Log one such topic. A publisher can invent as many as it likes."""
         if not self._has_named_bad_topic:
             self._has_named_bad_topic = True
             named = printable(topic) or "an empty one"

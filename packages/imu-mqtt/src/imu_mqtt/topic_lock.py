@@ -1,28 +1,28 @@
-"""Which of the topics under a wildcard is read: pure, told the time."""
+"""Choose which of the topics under a wildcard is read. Pure: the caller gives the time."""
 
 from rosbase import RosbaseLogger, printable
 
 __all__ = ["LEAST_TIMEOUT_S", "TopicLock"]
 
 LEAST_TIMEOUT_S = 1.0
-"""The lock is held for at least so long without a sample, for networks stall."""
+"""Minimum time to hold the lock without a sample, because networks stall."""
 
 _LOG_S = 60.0
 
 
 class TopicLock:
-    """Holds on to the first topic that gives a sample, for the samples of two devices do not mix.
+    """Holds on to the first topic that gives a sample, so that samples of two devices do not mix.
 
-    It lets go when another topic has a message and its own has given no sample for the timeout.
-    The topic that gives the next sample is held then, be it the same or another.
+    It lets go when another topic has a message and its own topic has given no sample for the
+    timeout. Then it holds the topic that gives the next sample, the same or another.
     """
 
     def __init__(self, timeout_s: float, logger: RosbaseLogger) -> None:
-        """Begin with no topic held.
+        """Start with no topic held.
 
         Args:
             timeout_s: Seconds without a sample after which the lock lets go; a second at least.
-            logger: Logs what is read.
+            logger: Logs which topic is read.
         """
         self._timeout_s = max(timeout_s, LEAST_TIMEOUT_S)
         self._logger = logger
@@ -32,7 +32,7 @@ class TopicLock:
         self._says = True
 
     def admits(self, topic: str, now_ns: int) -> bool:
-        """Return whether a message of the topic is to be handed over."""
+        """Return whether a message of the topic may be handed over."""
         held = self._held
         if held is None or topic == held:
             return True
@@ -49,7 +49,7 @@ class TopicLock:
         return True
 
     def note_sample(self, topic: str, now_ns: int) -> None:
-        """Hold on to the topic, of which a sample came."""
+        """Hold on to the topic, which gave a sample."""
         self._sample_ns = now_ns
         if self._held is None:
             self._held = topic
@@ -57,5 +57,5 @@ class TopicLock:
                 self._logger.info(f"reading {printable(topic)}")
 
     def begin_anew(self, now_ns: int) -> None:
-        """Measure the time without a sample from now on: there was no connection before."""
+        """Restart the time without a sample, because there was no connection before."""
         self._sample_ns = now_ns

@@ -19,17 +19,17 @@ from rosbase import (
 __all__ = ["STOP_TIMEOUT_S", "MqttTransport"]
 
 STOP_TIMEOUT_S = 2.0
-"""How long `stop` waits for an `on_frame`, and `close` for a network, that does not return."""
+"""Timeout of `stop` for an `on_frame`, and of `close` for a network, that does not return."""
 
 _OPEN_TIMEOUT_S = 4.0
 _ANSWER_TIMEOUT_S = 2.0
 
 
 class MqttTransport(Transport):
-    """Whole payloads from a topic of a broker."""
+    """A transport that reads whole payloads from a topic of a broker."""
 
     def __init__(self, config: MqttConfig, context: TransportContext) -> None:
-        """Touches nothing yet."""
+        """Take the settings; touch no network yet."""
         self._config = config
         self._context = context
         self._tally = Tally()
@@ -41,7 +41,7 @@ class MqttTransport(Transport):
         self._lock = threading.RLock()
 
     def open(self) -> None:
-        """Connects; with `wait_for_broker` an absent one is left to the network thread."""
+        """Connect; with `wait_for_broker`, leave an absent broker to the network thread."""
         if self._caller() is not None:
             return
         with self._lock:
@@ -58,7 +58,7 @@ class MqttTransport(Transport):
             raise failure
 
     def start(self, on_frame: OnFrame) -> None:
-        """Subscribes; returns when the broker has answered, if there is one."""
+        """Subscribe; return when the broker has answered, if there is one."""
         if self._caller() is not None:
             return
         with self._lock:
@@ -80,7 +80,7 @@ class MqttTransport(Transport):
             self._subscription = subscription
 
     def stop(self) -> None:
-        """Unsubscribes; waits for `on_frame` to return, except when called by it."""
+        """Unsubscribe; wait for `on_frame` to return, except when called by it."""
         caller = self._caller()
         if caller is None:
             with self._lock:
@@ -89,7 +89,7 @@ class MqttTransport(Transport):
             self._end_subscription()
 
     def close(self) -> None:
-        """Unsubscribes and disconnects."""
+        """Unsubscribe and disconnect."""
         caller = self._caller()
         if caller is not None:
             self.stop()
@@ -111,7 +111,7 @@ class MqttTransport(Transport):
 
     @property
     def health(self) -> TransportHealth:
-        """How it is doing."""
+        """Health of the transport."""
         return self._tally.health(self._state())
 
     def _state(self) -> TransportState:

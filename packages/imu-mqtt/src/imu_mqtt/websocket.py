@@ -20,7 +20,7 @@ _FINAL, _MASKED = 0x80, 0x80
 
 
 class WebSocketError(ValueError):
-    """The server speaks no WebSocket, or breaks its rules."""
+    """The server does not support WebSocket, or breaks its rules."""
 
 
 class WebSocket:
@@ -31,7 +31,7 @@ class WebSocket:
 
         Args:
             host: Name and port of the server.
-            path: What is asked for.
+            path: Path of the request.
             is_secure: Whether there is TLS below it.
         """
         self._key = base64.b64encode(os.urandom(16))
@@ -47,7 +47,7 @@ class WebSocket:
             "Sec-WebSocket-Protocol: mqtt",
         )
         self.request = ("\r\n".join(lines) + "\r\n\r\n").encode()
-        """What the client sends first."""
+        """First data that the client sends."""
         self._answer = bytearray()
         # The head of a frame that has not arrived as a whole, or a control frame.
         self._head = bytearray()
@@ -62,7 +62,7 @@ class WebSocket:
         """Take a piece of the answer to the request.
 
         Returns:
-            What stands behind the answer, once all of it is there; None before that.
+            The data after the answer, once all of it is there; None before that.
 
         Raises:
             WebSocketError: It is not the answer of a server that speaks MQTT over a WebSocket.
@@ -86,7 +86,7 @@ class WebSocket:
         return behind
 
     def feed(self, data: memoryview) -> Iterator[memoryview]:
-        """Take what has arrived; give the pieces of MQTT in it.
+        """Take arrived data; return the pieces of MQTT in it.
 
         Raises:
             WebSocketError: It breaks the rules of a WebSocket.
@@ -101,7 +101,7 @@ class WebSocket:
                 data = self._take_head(data)
 
     def answers(self) -> bytes:
-        """Return the frames with which what was fed has to be answered, once."""
+        """Return the frames that answer the data fed so far, once."""
         answer = b""
         if self._ping is not None:
             answer, self._ping = _frame(_PONG, self._ping), None
@@ -111,11 +111,11 @@ class WebSocket:
 
     @staticmethod
     def frame(data: bytes) -> bytes:
-        """Return a frame that carries this."""
+        """Return a frame that carries the data."""
         return _frame(_BINARY, data)
 
     def _take_head(self, data: memoryview) -> memoryview:
-        """Take some of the head of a frame, and of a control frame all of it."""
+        """Take some of the head of a frame, or all of a control frame."""
         head = self._head
         wanted = _head_bytes(head) - len(head)
         head += data[:wanted]
@@ -152,7 +152,7 @@ class WebSocket:
 
 
 def _head_bytes(head: bytearray) -> int:
-    """Return how long the head of a frame is, as far as is known; of a control frame all of it."""
+    """Return the known length of a frame's head, or of a whole control frame."""
     if len(head) < 2:
         return 2
     length = head[1] & 0x7F
@@ -162,7 +162,7 @@ def _head_bytes(head: bytearray) -> int:
 
 
 def _frame(code: int, data: bytes) -> bytes:
-    """Return a whole frame, masked, as a client's have to be."""
+    """Return a whole frame, masked, as a client must send it."""
     length = len(data)
     if length < 126:
         head = bytes([_FINAL | code, _MASKED | length])

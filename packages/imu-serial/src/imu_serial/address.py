@@ -1,4 +1,4 @@
-"""What `device_path` names: a file, or a port at the other end of a network. Pure."""
+"""Addresses in `device_path`: a file, or a port at the other end of a network. Pure."""
 
 import re
 from urllib.parse import SplitResult, urlsplit
@@ -18,7 +18,7 @@ class Address:
     """A port that is reached over TCP."""
 
     scheme: str
-    """`socket` for bytes as they are, `rfc2217` for those and the settings of the port."""
+    """`socket` for raw bytes, `rfc2217` for raw bytes and the settings of the port."""
     host: str
     port: int
 
@@ -28,7 +28,7 @@ class Address:
 
 
 def parse_address(text: str) -> Address | None:
-    """Return the address that a `device_path` is; None if it is a path.
+    """Return the address in a `device_path`; None if it is a path.
 
     Raises:
         ParameterError: It is a URL that cannot be used.

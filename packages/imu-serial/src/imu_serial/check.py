@@ -1,6 +1,6 @@
-"""What `rosbase doctor` is told of serial ports: which there are, and who may open them.
+"""Checks of serial ports for `rosbase doctor`: which ports exist, and who may open them.
 
-Opening a port resets many a board, so only a port that the user has named is opened.
+Opening a port resets many boards, so only a port that the user has named is opened.
 """
 
 import grp
@@ -37,11 +37,11 @@ _SERVE = {
     "rfc2217": "ser2net -Y 'connection: &imu' -Y '  accepter: telnet(rfc2217),tcp,{0.port}' "
     "-Y '  connector: serialdev,/dev/ttyUSB0,115200n81,local'",
 }
-"""By scheme: what serves a port at the other end."""
+"""Program that serves a port at the other end, by scheme."""
 
 
 def check_ports(context: CheckContext) -> Iterable[Finding]:
-    """The port that a reader would open, and the others."""
+    """Check the port that a reader would open, and the others."""
     is_named = context.asks_for("serial", "device_path")
     try:
         config = SerialConfig.from_values(context.values)
@@ -84,7 +84,7 @@ def _takers() -> Iterator[Finding]:
 def _slow(path: str, outcome: Outcome) -> Iterator[Finding]:
     """Yield the latency timer of the adapter, if it has a long one.
 
-    A reader asks for a short one, so it matters where it is long although the port was opened.
+    A reader asks for a short one, so a long one matters if the port was opened.
     """
     name = os.path.basename(os.path.realpath(path))
     timer = _LATENCY_TIMERS / name / "latency_timer"
@@ -158,7 +158,7 @@ def _allowed(path: str) -> Finding:
 
 
 def _closed(path: str, outcome: Outcome) -> Finding | None:
-    """Why a port that is there cannot be opened, as far as that is seen without opening it."""
+    """Return why a port cannot be opened, as far as that can be seen without opening it."""
     try:
         mode = os.stat(path).st_mode
     except (OSError, ValueError):
@@ -202,7 +202,7 @@ def _user_name() -> str:
 
 
 def _is_line(path: str) -> bool:
-    """Whether it is a serial line or a terminal, as far as that is seen without opening it."""
+    """Return whether it is a serial line or a terminal, without opening it."""
     name = os.path.basename(os.path.realpath(path))
     return os.path.realpath(path).startswith("/dev/pts/") or os.path.exists(
         f"/sys/class/tty/{name}"

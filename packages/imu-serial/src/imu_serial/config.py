@@ -1,4 +1,4 @@
-"""The parameters of a serial port, and the settings that their values amount to."""
+"""The parameters of a serial port, and the settings made from them."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -53,12 +53,12 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
         maximum=86_400.0,
     ),
 )
-"""What the transport adds to a reader's parameters."""
+"""Parameters that the transport adds to a reader's."""
 
 
 @frozen
 class SerialConfig:
-    """How to open a port."""
+    """Settings of a port."""
 
     device_path: str
     baudrate: int
@@ -66,9 +66,9 @@ class SerialConfig:
     wait_for_device: bool = False
     """Whether `open` leaves an absent device to the reader thread, which waits for it."""
     dtr: str = LEAVE
-    """What becomes of the line DTR after opening."""
+    """State of the line DTR after opening."""
     rts: str = LEAVE
-    """What becomes of the line RTS after opening."""
+    """State of the line RTS after opening."""
     reopen_after_silence: float = 0.0
     """Seconds without data after which the port is opened anew; 0: never."""
 
@@ -77,7 +77,8 @@ class SerialConfig:
         """Return the settings from checked parameter values.
 
         Raises:
-            ParameterError: The port is a URL that cannot be used, or cannot do what is asked.
+            ParameterError: The port is a URL that cannot be used, or does not support the
+                settings.
         """
         known: dict[str, Any] = {
             spec.name: values.get(spec.name, spec.default) for spec in PARAMETERS
@@ -88,7 +89,7 @@ class SerialConfig:
 
     @property
     def address(self) -> Address | None:
-        """Where the port is on a network; None for a file.
+        """Address of the port on a network; None for a file.
 
         Raises:
             ParameterError: It is a URL that cannot be used.

@@ -1,4 +1,4 @@
-"""Who has a port open, as far as /proc tells this user, and who is known to take ports."""
+"""Programs that have a port open, as far as /proc shows them, and programs known to open ports."""
 
 import os
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ _PROC = Path("/proc")
 
 @frozen
 class Taker:
-    """A program that opens ports which nobody has given it."""
+    """A program that opens ports without being told to."""
 
     why: str
     remedy: str
@@ -39,7 +39,7 @@ KNOWN_TAKERS = {
         "sudo systemctl disable --now serial-getty@ and the name of the port, such as ttyS0",
     ),
 }
-"""By the name of the process."""
+"""Known programs by the name of their process."""
 
 
 @frozen
@@ -54,7 +54,7 @@ class Process:
 
     @property
     def advice(self) -> str:
-        """What a user may do about it, after a semicolon; empty where it is nobody known."""
+        """Advice for the user, after a semicolon; empty for an unknown program."""
         taker = KNOWN_TAKERS.get(self.name)
         return f"; {taker.why}: {taker.remedy}" if taker else ""
 
@@ -66,7 +66,7 @@ _last_holders: dict[str, int] = {}
 def holder_of(path: str) -> Process | None:
     """Return another process that has the port open; None if none is seen.
 
-    A process of another user is seen by root only, or if it has locked the port.
+    Only root sees a process of another user, unless it has locked the port.
     """
     device = os.path.realpath(path)
     last = _last_holders.get(device)
@@ -82,7 +82,7 @@ def holder_of(path: str) -> Process | None:
 
 
 def running_takers() -> Iterator[Process]:
-    """Those of KNOWN_TAKERS that open ports by themselves and are running."""
+    """Return the running programs of KNOWN_TAKERS that open ports by themselves."""
     for pid in _others():
         process = _process(pid)
         # There are login prompts on every machine; one matters where it has the port.

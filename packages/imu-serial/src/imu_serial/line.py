@@ -1,7 +1,7 @@
-"""The settings of a serial line, as the kernel takes them: termios, and the requests of drivers.
+"""The settings of a serial line in the kernel: termios, and the requests of drivers.
 
-What a driver does not offer is told by the return value, never by an exception. A
-pseudo-terminal offers none of it but the settings.
+If a driver does not offer something, the return value says so; there is no exception. A
+pseudo-terminal offers only the settings.
 """
 
 import array
@@ -39,14 +39,14 @@ _COUNTED = {
     "line_break": 9,
     "buffer_overrun": 10,
 }
-"""By reason: which number of the kernel's `serial_icounter_struct` counts it."""
+"""Index of the count in the kernel's `serial_icounter_struct`, by reason."""
 
 
 def set_up(fd: int, baudrate: int) -> None:
     """Set a terminal to raw bytes, 8N1, at a rate, and to leave DTR and RTS alone when it closes.
 
     Raises:
-        termios.error: It is no terminal.
+        termios.error: It is not a terminal.
         ValueError: It does not run at that rate.
     """
     cc = termios.tcgetattr(fd)[6]
@@ -87,9 +87,10 @@ def _check_rate(fd: int, baudrate: int) -> None:
 
 
 def set_lines(fd: int, dtr: str, rts: str) -> bool:
-    """Set DTR and RTS as the parameters say. Return whether that could be done.
+    """Set DTR and RTS as the parameters say; return whether that worked.
 
-    Both lines that go off do so in one request: an ESP32 is reset while only one of them is on.
+    If both lines go off, one request does both: an ESP32 is reset while only one of them is
+    on.
     """
     wishes = ((dtr, termios.TIOCM_DTR), (rts, termios.TIOCM_RTS))
     on = sum(bit for wish, bit in wishes if wish == ON)
@@ -104,7 +105,10 @@ def set_lines(fd: int, dtr: str, rts: str) -> bool:
 
 
 def ask_for_low_latency(fd: int) -> bool:
-    """Have the driver hand over bytes at once; return whether it does. FTDI's waits 16 ms else."""
+    """Ask the driver to hand over bytes at once; return whether it does.
+
+    Otherwise FTDI's waits 16 ms.
+    """
     # struct serial_struct; the fifth number are the flags.
     settings = array.array("i", [0] * 32)
     try:
@@ -118,7 +122,7 @@ def ask_for_low_latency(fd: int) -> bool:
 
 
 def excludes_others(fd: int) -> bool:
-    """Return whether somebody has asked the kernel to let nobody else open the terminal.
+    """Return whether a process has asked the kernel to let nobody else open the terminal.
 
     Root may open it all the same.
     """
@@ -130,7 +134,7 @@ def excludes_others(fd: int) -> bool:
 
 
 def exclude_others(fd: int, *, excludes: bool) -> None:
-    """Have the kernel let nobody else open the terminal, or let them again."""
+    """Ask the kernel to let nobody else open the terminal, or to let them again."""
     try:
         fcntl.ioctl(fd, termios.TIOCEXCL if excludes else termios.TIOCNXCL)
     except OSError:

@@ -38,13 +38,13 @@ _KEEPALIVE = (
 
 
 class NoAnswerError(DeviceNotFoundError):
-    """Nobody answers in time: a network loses packets, and names are slow to be found."""
+    """Nobody answers in time: a network loses packets, and looking up names takes time."""
 
     passes_soon = True
 
 
 class Dialer:
-    """Connect to an address: each time within a second, the look-up of its name included."""
+    """Connects to an address: each time within a second, the look-up of its name included."""
 
     def __init__(self, config: SerialConfig, address: Address, clock: Clock) -> None:
         """Take the settings; touch no network yet."""
@@ -57,7 +57,7 @@ class Dialer:
         """Return a link that is ready to be read.
 
         Raises:
-            TransportError: Nobody is there, or somebody else.
+            TransportError: Nobody answers, or another kind of server does.
         """
         deadline_ns = self._clock.monotonic_ns() + int(_LIMIT_S * 1e9)
         try:
@@ -85,7 +85,8 @@ class Dialer:
         raise failure
 
     def _places(self, deadline_ns: int) -> list[Any]:
-        """Return the addresses of the host. The look-up has no limit, so a thread waits for it."""
+        """Return the addresses of the host. The look-up has no time limit, so it runs on a thread.
+        """
         host, port = self._address.host, self._address.port
         try:
             numeric = socket.AI_NUMERICHOST
@@ -125,12 +126,12 @@ class Dialer:
 
 
 class Link:
-    """A connection that is open: a `rosbase.ReportingDevice`."""
+    """An open connection: a `rosbase.ReportingDevice`."""
 
     def __init__(self, name: str, sock: socket.socket, client: Rfc2217Client | None = None) -> None:
-        """Take a socket that is connected."""
+        """Take a connected socket."""
         self.name = name
-        """What it is called when it is opened."""
+        """Name for the log line when it is opened."""
         self._socket = sock
         self._client = client
         self._has_reported = False
@@ -143,7 +144,7 @@ class Link:
         return self._socket.fileno()
 
     def read(self) -> bytes:
-        """Return what has arrived, as much as one read gives.
+        """Return arrived data, as much as one read gives.
 
         Raises:
             TransportError: The connection has ended.
@@ -152,7 +153,7 @@ class Link:
         return received if self._client is None else self._port_data(self._client, received)
 
     def discard_input(self) -> None:
-        """Discard what has arrived and was not read.
+        """Discard arrived data that was not read.
 
         Raises:
             TransportError: The connection has ended.
@@ -176,7 +177,7 @@ class Link:
         return DeviceReport(errors=errors, remark=remark)
 
     def reply(self) -> None:
-        """Send what the protocol asks for.
+        """Send the replies that the protocol asks for.
 
         Raises:
             TransportError: The connection has ended.
@@ -217,7 +218,7 @@ class Link:
 
 @define
 class _LookUp:
-    """The look-up of a name, on a thread that nobody has to wait for."""
+    """The look-up of a name, on a thread that nobody must wait for."""
 
     host: str
     port: int
@@ -240,7 +241,7 @@ class _LookUp:
 
 
 def _connected(family: int, place: Any, limit_s: float) -> socket.socket:
-    """Return a socket that is connected, with keepalive, and never waits."""
+    """Return a connected socket with keepalive that never waits."""
     sock = socket.socket(family, socket.SOCK_STREAM)
     try:
         sock.settimeout(0.0)

@@ -1,4 +1,4 @@
-"""Registers the transport `serial`, and its check. Imports no device library."""
+"""Register the transport `serial`, and its check. Imports no device library."""
 
 from collections.abc import Iterable, Mapping
 
@@ -63,7 +63,7 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 
 @hookimpl
 def rosbase_transports() -> Iterable[TransportPlugin]:
-    """Lines from a serial port."""
+    """Register lines from a serial port."""
     yield TransportPlugin(
         "serial",
         "lines from a serial port",
@@ -76,5 +76,5 @@ def rosbase_transports() -> Iterable[TransportPlugin]:
 
 @hookimpl
 def rosbase_checks() -> Iterable[CheckPlugin]:
-    """The ports of this machine."""
+    """Register the check of the ports of this machine."""
     yield CheckPlugin("serial", "serial ports, and who may open them", _check)

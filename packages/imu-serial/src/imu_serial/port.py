@@ -33,13 +33,13 @@ _REMARKS = {
 
 
 class Port:
-    """A port that this process has for itself, as far as the system lets it."""
+    """A port that this process has exclusively, as far as the system allows."""
 
     def __init__(self, config: SerialConfig) -> None:
         """Open the port, exclusively.
 
         Raises:
-            TransportError: Which kind says why; the message is one line.
+            TransportError: The subclass gives the reason; the message is one line.
         """
         path = config.device_path
         self._path = path
@@ -47,7 +47,7 @@ class Port:
         self._is_open = self._excludes_others = False
         self._missing_lines = ""
         self.name = f"{shown(path)} at {config.baudrate} baud"
-        """What it is called when it is opened."""
+        """Name for the log line when it is opened."""
         if not is_name(path):
             raise NotADeviceError(f"{shown(path)} is not the name of a serial port")
         if is_multiplexer(path):
@@ -73,7 +73,7 @@ class Port:
         self._buffer = bytearray(_CHUNK_BYTES)
         self._view = memoryview(self._buffer)
         self.bytes_per_s = bytes_per_s(path, config.baudrate)
-        """How many bytes a second come at most, where that is known."""
+        """Maximum number of bytes per second, where it is known."""
         self._counts = error_counts(self._fd)
         self._rivals = Rivals(path)
 
@@ -82,7 +82,7 @@ class Port:
         return self._fd
 
     def read(self) -> bytes:
-        """Return what has arrived, as much as one read of a terminal gives.
+        """Return arrived data, as much as one read of a terminal gives.
 
         Raises:
             TransportError: The port is gone.
@@ -102,7 +102,7 @@ class Port:
         return bytes(self._view[:size])
 
     def discard_input(self) -> None:
-        """Discard what has arrived and was not read.
+        """Discard arrived data that was not read.
 
         Raises:
             TransportError: The port is gone.
@@ -113,7 +113,7 @@ class Port:
             raise self._lost(" ".join(str(part) for part in error.args)) from error
 
     def report(self, is_quiet: bool) -> DeviceReport:
-        """Return whether others read it too, and which errors the driver has counted."""
+        """Return whether other programs read it too, and which errors the driver has counted."""
         errors = self._new_errors()
         remarks = [self._missing_lines] if self._missing_lines else []
         self._missing_lines = ""
@@ -125,7 +125,7 @@ class Port:
         return DeviceReport(self._rivals.trouble(is_quiet=is_quiet), errors, "; ".join(remarks))
 
     def close(self) -> None:
-        """Give the port back. Idempotent."""
+        """Release the port. Idempotent."""
         if self._is_open:
             self._is_open = False
             if self._excludes_others:
@@ -133,7 +133,7 @@ class Port:
             os.close(self._fd)
 
     def _take(self) -> None:
-        """Take the port for this process, before anything of it is changed."""
+        """Claim the port for this process, before changing any of its settings."""
         # Not for what is no terminal.
         termios.tcgetattr(self._fd)
         # Root may open what another program has for itself. What nobody has open any more was

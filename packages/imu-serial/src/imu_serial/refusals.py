@@ -1,4 +1,4 @@
-"""Why a port cannot be opened, in the words of its user."""
+"""Explain why a port cannot be opened, in the user's words."""
 
 import errno
 import grp
@@ -34,7 +34,7 @@ def shown(path: str) -> str:
 
 
 def is_name(path: str) -> bool:
-    """Return whether a file can be called so."""
+    """Return whether the name is a possible file name."""
     try:
         return bool(path) and b"\0" not in os.fsencode(path)
     except UnicodeEncodeError:
@@ -42,12 +42,13 @@ def is_name(path: str) -> bool:
 
 
 def is_multiplexer(path: str) -> bool:
-    """Return whether each opening of a file makes a new pseudo-terminal, which nobody sends to."""
+    """Return whether each opening of a file makes a new pseudo-terminal, which never receives data.
+    """
     return os.path.realpath(path) in _MULTIPLEXERS
 
 
 def explain(path: str, baudrate: int, error: Exception) -> TransportError:
-    """Return the error that says what a user can do about it."""
+    """Return the error that tells the user what to do."""
     name = shown(path)
     # termios.error is no OSError.
     code = error.errno if isinstance(error, OSError) else (*error.args, None)[0]
@@ -69,7 +70,7 @@ def explain(path: str, baudrate: int, error: Exception) -> TransportError:
 
 
 def in_use(path: str) -> DeviceBusyError:
-    """Return the error that says who has the port."""
+    """Return the error that says which program has the port open."""
     text = f"{shown(path)} is in use by"
     holder = holder_of(path)
     if holder is not None:
@@ -79,7 +80,7 @@ def in_use(path: str) -> DeviceBusyError:
 
 
 def group_name(path: str) -> str:
-    """Return the group that a port belongs to."""
+    """Return the group of a port."""
     try:
         return grp.getgrgid(os.stat(path).st_gid).gr_name
     except (OSError, KeyError):
@@ -87,7 +88,7 @@ def group_name(path: str) -> str:
 
 
 def port_names() -> list[str]:
-    """Return the paths of the ports that are there; those on the board, which few use, last."""
+    """Return the paths of the existing ports; rarely used ones on the board come last."""
     names = [port.device for port in list_ports.comports()]
     return sorted(names, key=lambda name: (name.startswith("/dev/ttyS"), name))
 

@@ -1,7 +1,7 @@
 """The client's side of RFC 2217: a serial port over telnet. Pure: bytes in, data and replies out.
 
-pyserial has a client, too, but one with a thread of its own, whose `close` takes up to seven
-seconds and whose input no `poll` can wait for.
+pyserial has a client, too. But that has its own thread, its `close` takes up to seven seconds, and
+no `poll` can wait for its input.
 """
 
 import struct
@@ -23,7 +23,7 @@ _ANSWER = 100
 
 _EIGHT_BITS, _NO_PARITY, _ONE_STOP_BIT, _NO_FLOW_CONTROL, _RECEIVED = 8, 1, 1, 1, 1
 _CONTROLS = {"dtr": (8, 9), "rts": (11, 12)}
-"""By parameter: what sets the line, and what clears it."""
+"""Values that set and clear each line, by parameter."""
 _LINESTATES = {0x02: "overrun", 0x04: "parity_error", 0x08: "framing_error", 0x10: "line_break"}
 
 # The longest command that there is has 11 bytes.
@@ -31,7 +31,7 @@ _MOST_HELD_BYTES = 256
 
 
 class Rfc2217Client:
-    """Ask a server to set its port, and tell the data of the port from the rest."""
+    """Asks a server to set its port, and separates the data of the port from the rest."""
 
     def __init__(self, baudrate: int, dtr: str = LEAVE, rts: str = LEAVE) -> None:
         """Prepare the greeting: `take_replies` returns it."""
@@ -43,28 +43,28 @@ class Rfc2217Client:
         self._controls: set[int] = set()
         self._replies = bytearray()
         self.rate: int | None = None
-        """The rate of the port, once the server has said it: the settings are made then."""
+        """Rate of the port, once the server has reported it: the settings are done then."""
         self.refusal = ""
-        """Why there is no port behind this address; empty if there may be."""
+        """Reason why there is no port behind this address; empty if there may be."""
         self.errors: dict[str, int] = {}
-        """What the server has told of errors on its line, by reason; emptied by the caller."""
+        """Errors on the line that the server has reported, by reason; the caller empties it."""
         self._say(_WILL, _COM_PORT)
         for option in (_BINARY, _SUPPRESS_GO_AHEAD):
             self._say(_WILL, option)
             self._say(_DO, option)
 
     def take_replies(self) -> bytes:
-        """Return what is to be sent to the server, once."""
+        """Return the bytes to send to the server, once."""
         replies, self._replies = bytes(self._replies), bytearray()
         return replies
 
     @property
     def unconfirmed(self) -> list[str]:
-        """The lines that were to be set and that the server has not confirmed."""
+        """Lines whose setting the server has not confirmed."""
         return [name for name, code in self._wanted_controls() if code not in self._controls]
 
     def feed(self, received: bytes) -> bytes:
-        """Take what the server sent; return the data of the port that is in it."""
+        """Take data of the server; return the data of the port in it."""
         if self._held:
             received, self._held = self._held + received, b""
         elif _IAC not in received:
@@ -80,14 +80,14 @@ class Rfc2217Client:
         return bytes(data)
 
     def _hold(self, begun: bytes) -> None:
-        """Keep a command of which the rest has yet to come."""
+        """Keep a command that is not complete yet."""
         if len(begun) > _MOST_HELD_BYTES:
             self.refusal = "it sends something that is not telnet"
         else:
             self._held = begun
 
     def _command(self, received: bytes, at: int, data: bytearray) -> int:
-        """Take the command that begins there; return where it ends, or -1 if it is not whole."""
+        """Take the command that begins there; return where it ends, or -1 if it is not complete."""
         if len(received) < at + 2:
             return -1
         code = received[at + 1]
@@ -154,7 +154,7 @@ class Rfc2217Client:
         self._replies += bytes((_IAC, _SB, _COM_PORT, command)) + escaped + bytes((_IAC, _SE))
 
     def _take(self, content: bytes) -> None:
-        """Take what a server says in a subnegotiation."""
+        """Take a message of the server in a subnegotiation."""
         if len(content) < 3 or content[0] != _COM_PORT:
             return
         command, value = content[1], content[2:]

@@ -1,4 +1,4 @@
-"""Other programs that read the same port, told from a port that was unplugged."""
+"""Detect other programs that read the same port, and tell them from an unplugged port."""
 
 from imu_serial.holders import Process, holder_of
 from imu_serial.refusals import shown
@@ -10,9 +10,9 @@ _LOOKS_BETWEEN = 5
 
 
 class Rivals:
-    """Other programs that read the same port, and so take a part of what arrives.
+    """Other programs that read the same port, and so take a part of the data.
 
-    They show in reads that give nothing although there was something, or in silence.
+    They show as reads that return nothing although data was there, or as silence.
     """
 
     def __init__(self, path: str) -> None:
@@ -24,11 +24,11 @@ class Rivals:
         self._looks = 0
 
     def note(self) -> None:
-        """Count a read that gave nothing although there was something."""
+        """Count a read that returned nothing although data was there."""
         self._taken += 1
 
     def trouble(self, *, is_quiet: bool) -> str:
-        """Return who reads along, in a line; empty if nobody does, as far as is known."""
+        """Return which programs read along, in a line; empty if none is known."""
         taken, self._taken = self._taken, 0
         begins_quiet, self._was_quiet = is_quiet and not self._was_quiet, is_quiet
         if self._trouble:

@@ -1,4 +1,4 @@
-"""A stand-in for a serial device: the far end of a pseudo-terminal pair."""
+"""A simulated serial device: the far end of a pseudo-terminal pair."""
 
 import fcntl
 import os
@@ -21,10 +21,10 @@ _ROOM_BYTES = 2_048
 
 
 class PtyDevice:
-    """A device on a line that the kernel makes: the reader opens it like any other port."""
+    """A device on a line of the kernel: the reader opens it like any other port."""
 
     def __init__(self) -> None:
-        """Makes the line and gives it a name."""
+        """Create the line and give it a name."""
         self._fd, far_end = os.openpty()
         # Held open, so that the line outlives readers that come and go.
         self._far_end = far_end
@@ -36,11 +36,11 @@ class PtyDevice:
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
-        """What the transport `serial` must be given to reach this device."""
+        """Parameters with which the transport `serial` reaches this device."""
         return {"device_path": self._path}
 
     def send(self, payload: bytes) -> None:
-        """Sends one line, CR LF at its end. Waits while the line is full.
+        """Send one line, CR LF at its end. Wait while the line is full.
 
         Raises:
             TransportError: The line has been closed.
@@ -48,7 +48,7 @@ class PtyDevice:
         self.write(payload + b"\r\n")
 
     def write(self, data: bytes) -> None:
-        """Sends bytes as they are. Waits while the line is full.
+        """Send raw bytes. Wait while the line is full.
 
         Raises:
             TransportError: The line has been closed.
@@ -58,7 +58,7 @@ class PtyDevice:
 
     @property
     def has_room(self) -> bool:
-        """Whether a line would be taken now: whoever reads has read most of the others."""
+        """Whether the device would take a line now: the reader has read most of the others."""
         with self._lock:
             if self._is_closed:
                 return False
@@ -66,7 +66,7 @@ class PtyDevice:
         return int(struct.unpack("i", unread)[0]) < _ROOM_BYTES
 
     def close(self) -> None:
-        """Pulls the plug."""
+        """Pull the plug."""
         with self._lock:
             if not self._is_closed:
                 self._is_closed = True
@@ -94,17 +94,17 @@ class PluggablePort:
     def __init__(self, path: Path) -> None:
         """Choose the name. Nothing is plugged in yet."""
         self.path = path
-        """The name."""
+        """Name of the port."""
         self._device: PtyDevice | None = None
 
     @property
     def parameters(self) -> Mapping[str, ParameterValue]:
-        """What the transport `serial` must be given to reach this device."""
+        """Parameters with which the transport `serial` reaches this device."""
         return {"device_path": str(self.path)}
 
     @property
     def has_room(self) -> bool:
-        """Whether a line would be taken now, without waiting for whoever reads."""
+        """Whether the device would take a line now, without waiting for the reader."""
         device = self._device
         return device is not None and device.has_room
 
@@ -122,7 +122,7 @@ class PluggablePort:
             device.close()
 
     def send(self, payload: bytes) -> None:
-        """Send one line, CR LF at its end. Waits while the line is full.
+        """Send one line, CR LF at its end. Wait while the line is full.
 
         Raises:
             TransportError: The port is not plugged in.
@@ -130,7 +130,7 @@ class PluggablePort:
         self._plugged.send(payload)
 
     def write(self, data: bytes) -> None:
-        """Send bytes as they are. Waits while the line is full.
+        """Send raw bytes. Wait while the line is full.
 
         Raises:
             TransportError: The port is not plugged in.
@@ -149,10 +149,10 @@ class PluggablePort:
 
 
 class SimulatedPort(PluggablePort):
-    """A port of its own, plugged in: a `rosbase.PluggableDevice`."""
+    """A port with its own name, plugged in: a `rosbase.PluggableDevice`."""
 
     def __init__(self) -> None:
-        """Plug it in, in a new folder for temporary files."""
+        """Plug it in, in a new temporary folder."""
         self._folder = tempfile.TemporaryDirectory(prefix="imu-")
         super().__init__(Path(self._folder.name) / "ttyIMU")
         self.replug()

@@ -1,4 +1,4 @@
-"""Whether a serial port is a UART of this machine, whose speed is that of the bytes."""
+"""Tell whether a serial port is a UART of this machine, which limits the speed of the bytes."""
 
 import os
 
@@ -10,15 +10,15 @@ _BITS_PER_BYTE = 10
 
 
 def bytes_per_s(path: str, baudrate: int, ttys: str = _TTYS) -> float | None:
-    """Return how many bytes a second a port hands over at most; None if nobody can tell.
+    """Return the maximum number of bytes per second of a port; None if it is not known.
 
-    Only a UART hands over bytes as they come. An adapter on USB gathers them for some
-    milliseconds, and for USB CDC or a pseudo-terminal a speed means nothing at all.
+    Only a UART hands over bytes as they come. A USB adapter gathers them for some
+    milliseconds. For USB CDC or a pseudo-terminal, a speed means nothing.
 
     Args:
         path: A device file, or a link to one.
         baudrate: Bits per second.
-        ttys: Where the kernel says what its terminals are.
+        ttys: Folder where the kernel describes its terminals.
     """
     name = os.path.basename(os.path.realpath(path))
     # Drivers of UARTs say so, and no others do.

@@ -1,4 +1,4 @@
-"""When a parameter of the reader may be set, and from when on it counts."""
+"""Rules for when a parameter of the reader may be set, and when it takes effect."""
 
 from collections.abc import Iterable
 
@@ -23,7 +23,7 @@ _MAPPING = "mapping."
 
 
 def refusal(names: Iterable[str], state: State) -> str:
-    """Return why one of these parameters cannot be set now; empty if all of them can.
+    """Return why one of these parameters cannot be set now; empty if all can.
 
     Args:
         names: The names of parameters of the reader.

@@ -1,8 +1,8 @@
-"""What became of the frames: one number for each fate.
+"""Counts of the frames: one number for each outcome.
 
-Samples are counted: a frame that holds several counts as often, each with its own fate. A frame
-that cannot be read counts once, for nobody knows how many samples it held. A sample from which
-a quantity was left out is published and counts as such; what was left out is counted beside it.
+Samples are counted: a frame with several samples counts each of them, with its own outcome. A
+frame that cannot be read counts once, because its number of samples is not known. A sample without
+one of its quantities is published and counts as such; the omission is counted separately.
 """
 
 from collections.abc import Mapping
@@ -16,32 +16,32 @@ __all__ = ["Counts", "CountsSnapshot"]
 
 @frozen
 class CountsSnapshot:
-    """The counts at one moment. `received` = `published` + `rejected` + `ignored`."""
+    """Counts at one moment. `received` = `published` + `rejected` + `ignored`."""
 
     published: int
-    """Samples that went out."""
+    """Number of samples published."""
     by_reason: Mapping[str, int]
-    """Samples, and frames that could not be read, that did not, by reason."""
+    """Number of samples not published and of unreadable frames, by reason."""
     time_unusable: int
-    """Samples that were stamped on arrival, because the device's time was no date."""
+    """Number of samples stamped on arrival, because the device's time was no date."""
     left_out: Mapping[str, int] = field(factory=dict)
-    """Quantities that published samples go without because they could not be used, by reason."""
+    """Number of unusable quantities that published samples left out, by reason."""
     clock_unusable: int = 0
-    """Samples with a stamp of zero, because ROS cannot carry the date of this machine."""
+    """Number of samples with a stamp of zero, because ROS cannot carry the date of this machine."""
 
     @property
     def rejected(self) -> int:
-        """Those with a fault."""
+        """Number of samples and frames with a fault."""
         return sum(n for reason, n in self.by_reason.items() if reason not in IGNORED)
 
     @property
     def ignored(self) -> int:
-        """Those without a fault that are not for us."""
+        """Number of samples and frames without a fault that are not for us."""
         return sum(n for reason, n in self.by_reason.items() if reason in IGNORED)
 
     @property
     def received(self) -> int:
-        """All of them."""
+        """Total number of samples and frames."""
         return self.published + self.rejected + self.ignored
 
 
@@ -58,16 +58,16 @@ class Counts:
         self.left_out: dict[str, int] = {}
 
     def add(self, reason: str, number: int = 1) -> None:
-        """Counts frames that do not go out."""
+        """Count frames that are not published."""
         self.by_reason[reason] = self.by_reason.get(reason, 0) + number
 
     def leave_out(self, reason: str) -> int:
-        """Count a quantity that a sample goes without; return how many there are by now."""
+        """Count a quantity that a sample leaves out; return the number so far."""
         self.left_out[reason] = self.left_out.get(reason, 0) + 1
         return self.left_out[reason]
 
     def snapshot(self, frame_errors: Mapping[str, int]) -> CountsSnapshot:
-        """The counts now, together with what the transport could not frame."""
+        """Return the counts now, including the data that the transport could not frame."""
         total = Counts()
         total.by_reason = dict(self.by_reason)
         for reason, number in frame_errors.items():

@@ -9,7 +9,7 @@ __all__ = ["covariance_of"]
 
 
 def covariance_of(name: str, stddev: Sequence[float]) -> Covariance:
-    """The covariance matrix with the squares of `stddev` on its diagonal.
+    """Return the covariance matrix with the squares of `stddev` on its diagonal.
 
     Args:
         name: The parameter, for messages.

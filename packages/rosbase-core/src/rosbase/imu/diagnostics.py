@@ -1,4 +1,4 @@
-"""What the reader says of itself on `/diagnostics`, once a second, in every state."""
+"""Diagnostics of the reader on `/diagnostics`, once a second, in every state."""
 
 from collections.abc import Iterator
 from typing import Protocol
@@ -16,7 +16,7 @@ from rosbase.text.printable import MOST_PROSE, printable
 __all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
 
 DIAGNOSTICS_TOPIC = "/diagnostics"
-"""Where the tools of ROS look for it (REP-107)."""
+"""Topic that the tools of ROS read (REP-107)."""
 
 _PERIOD_S = 1.0
 _DEPTH = 10
@@ -25,7 +25,7 @@ _SUCCESS = CallbackReturn.SUCCESS.label
 
 
 class _Reader(Protocol):
-    """What there is to say something about."""
+    """Properties of a reader that the diagnostics report."""
 
     last_error: BaseException | None
 
@@ -44,14 +44,14 @@ class _Reader(Protocol):
 
 
 class Diagnostics:
-    """Publishes a status of the reader once a second, from now until the backend is closed.
+    """Publishes a status of the reader once a second, until the backend is closed.
 
-    Not through a publisher of the lifecycle: that a device cannot be opened is worth knowing
-    while the reader is unconfigured.
+    It does not use a lifecycle publisher: users must see that a device cannot be opened while
+    the reader is unconfigured.
     """
 
     def __init__(self, reader: _Reader, backend: Backend) -> None:
-        """Begins."""
+        """Start publishing."""
         self._reader = reader
         self._clock: Clock = backend.clock
         self._name = f"{backend.node_name}: IMU"
@@ -63,7 +63,7 @@ class Diagnostics:
         backend.executor.create_timer(timer_period_ns(_PERIOD_S), self._report)
 
     def note(self, event: TransitionEvent) -> None:
-        """Takes a step of the lifecycle: a listener of its transitions."""
+        """Take a step of the lifecycle. This is a listener of its transitions."""
         label = event.transition.label
         if event.transition.is_public and event.transition.id:
             self._failure = ""
@@ -124,7 +124,7 @@ class Diagnostics:
         yield "last error", transport.last_error
 
     def _rates_hz(self, counts: CountsSnapshot, now_ns: int) -> tuple[float, float]:
-        """Return how many samples went out and how many frames were rejected, in each second."""
+        """Return how many samples were published and how many frames were rejected, per second."""
         per_s = _NS_PER_S / max(1, now_ns - self._reported_ns)
         published, rejected = counts.published, counts.rejected
         rates = (published - self._published) * per_s, (rejected - self._rejected) * per_s

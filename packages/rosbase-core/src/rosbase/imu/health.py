@@ -1,4 +1,4 @@
-"""How well a reader is: a level, and one line that says why."""
+"""Health of a reader: a level, and one line that says why."""
 
 import re
 from enum import IntEnum
@@ -11,7 +11,7 @@ _FIGURE = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 class HealthLevel(IntEnum):
-    """The values are those of diagnostic_msgs/DiagnosticStatus."""
+    """Level of health; the values are those of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -20,15 +20,15 @@ class HealthLevel(IntEnum):
 
 @frozen
 class Health:
-    """A level, and why, in one line."""
+    """Health of a reader: a level and the reason in one line."""
 
     level: HealthLevel
     message: str
     kind: str = field(default=Factory(lambda self: without_figures(self.message), takes_self=True))
-    """What the message says, without its figures: they change, and it is no other message."""
+    """Message without its numbers: if only they change, it is the same message."""
 
     def says_the_same_as(self, other: "Health") -> bool:
-        """Return whether nothing but the figures differs."""
+        """Return whether only the numbers differ."""
         return (self.level, self.kind) == (other.level, other.kind)
 
 

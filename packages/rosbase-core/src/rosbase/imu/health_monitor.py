@@ -1,4 +1,4 @@
-"""Looks at the health of an active reader, and logs what changes."""
+"""Monitor the health of an active reader, and log its changes."""
 
 from collections.abc import Callable, Mapping
 
@@ -26,16 +26,16 @@ class HealthMonitor:
         logger: RosbaseLogger,
         explain: Callable[[str], str],
     ) -> None:
-        """Begin; call it before the transport is started.
+        """Start; call it before the transport is started.
 
         Args:
-            transport: Where frames come from.
-            counts: What becomes of them.
-            finding: Returns what is wrong with the samples that go out.
+            transport: Source of the frames.
+            counts: Counts of the frames.
+            finding: Returns the fault of the published samples.
             stale_timeout_s: Seconds without a sample after which the health is not OK.
-            clock: Times the looks.
-            logger: Logs each change, and what the transport could not make a frame of.
-            explain: Says what is known of a reason.
+            clock: Clock of the checks.
+            logger: Logs each change, and the data that the transport could not frame.
+            explain: Returns the explanation of a reason.
         """
         self._transport = transport
         self._counts = counts
@@ -47,10 +47,10 @@ class HealthMonitor:
         begun = counts.snapshot(self._said)
         self._watch = HealthWatch(stale_timeout_s, clock.monotonic_ns(), begun, explain)
         self.health = Health(HealthLevel.OK, "waiting for the first sample")
-        """The health at the last look."""
+        """Health at the last check."""
 
     def look(self) -> None:
-        """Judge the health now, and log it if it says something else than before."""
+        """Judge the health now, and log it if its message has changed."""
         transport = self._transport.health
         counts = self._counts.snapshot(transport.frame_errors)
         unended = self._watch.unended
@@ -70,7 +70,7 @@ class HealthMonitor:
         self.health = health
 
     def _say_frame_errors(self, errors: Mapping[str, int], counts: CountsSnapshot) -> None:
-        """Log what the transport has dropped; the pipeline logs what it drops itself."""
+        """Log the data that the transport has dropped; the pipeline logs its own drops."""
         for reason, number in errors.items():
             if reason in SAID_BEFORE:
                 continue

@@ -1,4 +1,4 @@
-"""Judge an active reader by its samples: pure, told the time, looked at a few times a second."""
+"""Judge an active reader by its samples. Pure: the caller gives the time, a few times a second."""
 
 from collections.abc import Callable, Mapping
 
@@ -22,10 +22,11 @@ _LEAD_FRAMES = 4
 
 
 class HealthWatch:
-    """Says how an active reader is, each time that it is given what has been counted.
+    """Judges an active reader from its counts.
 
-    OK as long as the last sample went out within the stale timeout. Otherwise the commonest
-    reason for which frames have been refused since then; or silence, if nothing has come.
+    The health is OK as long as the last sample was published within the stale timeout.
+    Otherwise it is the most common reason for refused frames since then, or silence if no data
+    has come.
     """
 
     def __init__(
@@ -35,13 +36,13 @@ class HealthWatch:
         counts: CountsSnapshot,
         explain: Callable[[str], str] = meaning_of,
     ) -> None:
-        """Begin at activation.
+        """Start at activation.
 
         Args:
             stale_timeout_s: Seconds without a sample after which the health is not OK.
-            now_ns: That time on the monotonic clock.
-            counts: What has been counted so far.
-            explain: Says what is known of a reason; an empty text if that is nothing.
+            now_ns: Time of the activation on the monotonic clock.
+            counts: Counts so far.
+            explain: Returns the explanation of a reason; empty if there is none.
         """
         self._stale_s = stale_timeout_s
         self._explain = explain
@@ -62,7 +63,7 @@ class HealthWatch:
         self._damaged_since: int | None = None
         self._is_unended = False
         self.unended = 0
-        """How many frames were begun and did not end within the stale timeout."""
+        """Number of frames that began and did not end within the stale timeout."""
 
     def look(
         self, now_ns: int, counts: CountsSnapshot, transport: TransportHealth, finding: str = ""
@@ -71,9 +72,9 @@ class HealthWatch:
 
         Args:
             now_ns: The monotonic clock.
-            counts: What became of the frames so far.
-            transport: How the transport is.
-            finding: What is wrong with the samples that go out; empty if nothing.
+            counts: Counts of the frames so far.
+            transport: Health of the transport.
+            finding: Fault of the published samples; empty if none.
         """
         self._note(now_ns, counts, transport)
         if transport.last_error or transport.state is TransportState.RECONNECTING:
@@ -86,7 +87,7 @@ class HealthWatch:
         return Health(HealthLevel.OK, message)
 
     def _note(self, now_ns: int, counts: CountsSnapshot, transport: TransportHealth) -> None:
-        """Take the times at which something came."""
+        """Note the times at which data came."""
         data_ns = max(self._data_ns, transport.last_data_ns or 0)
         self._has_new_data = data_ns > self._data_ns
         if self._has_new_data:
@@ -123,7 +124,7 @@ class HealthWatch:
         return _silence(silence_s, is_long=is_silent)
 
     def _has_no_frames(self) -> bool:
-        """Return whether data have come for some time, and none of it was a frame."""
+        """Return whether data has come for some time without a single frame."""
         unframed_ns = self._unframed_ns
         # A line may take a moment to arrive.
         least_ns = self._stale_s * _NS_PER_S / 2
@@ -151,22 +152,22 @@ class HealthWatch:
         return self._reason
 
     def _count_from(self, counts: CountsSnapshot, reason: str) -> None:
-        """Count reasons from now on; until another one leads, it is this one."""
+        """Count reasons from now on; until another one leads, this one counts."""
         self._since, self._reason = counts.by_reason, reason
 
     def _patience_s(self, *, has_sent: bool) -> float:
-        """Return how long a device may send nothing before that is an error."""
+        """Return how long a device may be silent before that is an error."""
         usual_s = _USUAL_INTERVALS * self._interval_ns / _NS_PER_S if has_sent else 0.0
         return max(_ERROR_AFTER * self._stale_s, min(usual_s, _LONGEST_INTERVALS_S))
 
 
 def _framed(counts: CountsSnapshot) -> int:
-    """Return how many frames have ended, in whatever way."""
+    """Return how many frames have ended, with any outcome."""
     return counts.received - counts.by_reason.get("unended", 0)
 
 
 def device_fault(transport: TransportHealth) -> Health:
-    """Return the health of a reader whose device is away, or was so a moment ago."""
+    """Return the health of a reader whose device is absent, or was a moment ago."""
     error = transport.last_error
     message = error
     if transport.state is TransportState.RECONNECTING:
@@ -182,7 +183,7 @@ def _silence(seconds: float, *, is_long: bool) -> Health:
 
 
 def _no_sample(seconds: float) -> Health:
-    """Return the health of a reader whose device sends, and it is not known yet what is wrong."""
+    """Return the health of a reader whose device sends, while the fault is not known yet."""
     return Health(HealthLevel.WARN, f"no sample for {seconds:.1f} s")
 
 
@@ -192,7 +193,7 @@ def _unusable(reason: str, why: str, pending_bytes: int, damaged: int) -> Health
     Args:
         reason: Why most frames are refused, in one word.
         why: The same in half a line, or an empty text.
-        pending_bytes: Bytes since the last end of a frame, which are what is wrong if `unended`.
+        pending_bytes: Bytes since the last end of a frame, which are the fault if `unended`.
         damaged: Bytes with framing errors since the last sample, which are the true cause.
     """
     if reason == "unended" and pending_bytes:

@@ -1,4 +1,4 @@
-"""The quantities of an IMU, and how the payload of a device becomes a sample of them."""
+"""The quantities of an IMU, and the mapping from a device's payload to a sample of them."""
 
 from collections.abc import Callable
 from functools import partial
@@ -27,23 +27,26 @@ __all__ = [
 
 VECTORS = tuple(UNITS)
 GROUPS = ("orientation", *VECTORS)
-"""The quantities that a payload may hold."""
+"""Quantities that a payload may hold."""
 
 MAX_TOLERANCE = 0.5
-"""A quaternion whose norm is farther from 1 is something else, such as zero."""
+"""Maximum deviation of a quaternion's norm from 1.
+
+Beyond it the value is something else, such as zero.
+"""
 
 FULL_SCALES: dict[str, float] = {
     "angular_velocity": 69.8132,
     "linear_acceleration": 313.8128,
     "magnetic_field": 0.01,
 }
-"""By vector: what no usual chip measures, in SI units: 4,000 deg/s, 32 g and 100 gauss."""
+"""Limits that no usual chip exceeds, by vector, in SI units: 4,000 deg/s, 32 g and 100 gauss."""
 
 _ORDERS = {"": "xyzw", "xyzw": "xyzw", "wxyz": "wxyz"}
 
 
 class Sample(NamedTuple):
-    """What one payload says, in SI units; None for what it does not say."""
+    """Content of one payload in SI units; None for missing quantities."""
 
     orientation: tuple[float, ...] | None
     """x, y, z, w of a unit quaternion."""
@@ -54,18 +57,19 @@ class Sample(NamedTuple):
     magnetic_field: tuple[float, ...] | None
     """x, y, z in tesla."""
     device_time_ns: int | None
-    """The device's date in nanoseconds since the epoch, if it was asked for and usable."""
+    """Date of the device in nanoseconds since the epoch, if it was asked for and usable."""
     left_out: tuple[Reject, ...] = ()
-    """Why a quantity, or the date, is not here although the payload has something of it."""
+    """Reason why a quantity, or the date, is missing although the payload has a part of it."""
 
 
 SampleReader: TypeAlias = Callable[[bytes], Sample | Reject | Batch[Sample]]
-"""From a frame to a sample, to several, or to why there is none. Never raises."""
+"""Function that makes of a frame one sample, several, or a reason why there is none. Never raises.
+"""
 
 
 @frozen
 class ImuMapping:
-    """Where the quantities are in a payload, and in which units. See `docs/mapping.md`.
+    """Paths and units of the quantities in a payload. See `docs/mapping.md`.
 
     Paths are written `a.b`, `list[0].x`, `list[*].x`, `[kind=imu].x`, `-a.z` or `new|old`. One
     path for a whole quantity is a list of its components.
@@ -73,35 +77,35 @@ class ImuMapping:
 
     orientation_paths: tuple[str, ...] = ()
     orientation_order: str = ""
-    """The order in which the paths, or the list, give the quaternion: `xyzw`, or `wxyz`."""
+    """Order of the quaternion in the paths or the list: `xyzw`, or `wxyz`."""
     angular_velocity_paths: tuple[str, ...] = ()
     angular_velocity_unit: str = ""
     angular_velocity_full_scale: float = FULL_SCALES["angular_velocity"]
-    """The largest absolute value of a component, in rad/s."""
+    """Maximum absolute value of a component, in rad/s."""
     linear_acceleration_paths: tuple[str, ...] = ()
     linear_acceleration_unit: str = ""
     linear_acceleration_full_scale: float = FULL_SCALES["linear_acceleration"]
-    """The largest absolute value of a component, in m/s^2."""
+    """Maximum absolute value of a component, in m/s^2."""
     magnetic_field_paths: tuple[str, ...] = ()
     magnetic_field_unit: str = ""
     magnetic_field_full_scale: float = FULL_SCALES["magnetic_field"]
-    """The largest absolute value of a component, in tesla."""
+    """Maximum absolute value of a component, in tesla."""
     time_paths: tuple[str, ...] = ()
     time_unit: str = ""
     time_interval: str = ""
-    """The time between two samples of one message, such as `5 ms`, `200 Hz` or `rate Hz`."""
+    """Time between two samples of one message, such as `5 ms`, `200 Hz` or `rate Hz`."""
     select: tuple[str, ...] = ()
     """Conditions such as `T=1002` that a payload must meet."""
     required: tuple[str, ...] = ()
     """Quantities without which a sample is refused."""
     absent: str = "missing"
-    """What a number is that a payload leaves out: `missing`, or `zero`."""
+    """Meaning of a number that a payload leaves out: `missing`, or `zero`."""
     numeric_strings: bool = False
     """Whether `"1.5"` counts as 1.5."""
     sentinels: tuple[float, ...] = ()
     """Numbers of the payload that mean that there is no reading."""
     quaternion_tolerance: float = 0.05
-    """How far from 1 the norm of an orientation may be."""
+    """Maximum deviation of an orientation's norm from 1."""
 
     def compile(self, *, device_time: bool = False) -> SampleReader:
         """Return the function that reads a frame. With `device_time` it reads the date as well.

@@ -1,7 +1,7 @@
-"""A rigid motion in closed form: what an ideal IMU on it would measure, at any time.
+"""A rigid motion in closed form, and the measurements of an ideal IMU on it at any time.
 
-Orientation, rates and specific force are derivatives of one motion, so that they agree
-with each other as those of a real device do.
+Orientation, rates and specific force are derivatives of one motion, so that they agree with each
+other as in a real device.
 
 Frames and signs: REP-103 (world ENU, body x forward, y left, z up). Kinematics of the
 angles yaw, pitch, roll about z, y', x'': Diebel, "Representing Attitude", 2006, eq. 72
@@ -20,10 +20,10 @@ __all__ = ["MotionSample", "motion_at"]
 
 @frozen
 class MotionSample:
-    """What an ideal IMU measures at one instant."""
+    """Measurement of an ideal IMU at one instant."""
 
     orientation: Quaternion
-    """The body as seen from the world."""
+    """Orientation of the body in the world frame."""
     angular_velocity: Vector3
     """rad/s, in the body frame."""
     linear_acceleration: Vector3
@@ -32,7 +32,7 @@ class MotionSample:
 
 @frozen
 class _Swing:
-    """x(t) = amplitude * sin(2 pi f t)."""
+    """Oscillation x(t) = amplitude * sin(2 pi f t)."""
 
     amplitude: float
     frequency_hz: float
@@ -57,7 +57,7 @@ _EAST, _NORTH, _UP = _Swing(0.10, 0.29), _Swing(0.08, 0.37), _Swing(0.05, 0.43)
 
 
 def motion_at(t: float) -> MotionSample:
-    """The ideal measurement at `t` seconds."""
+    """Return the ideal measurement at `t` seconds."""
     roll, pitch, yaw = _ROLL.value(t), _PITCH.value(t), _YAW.value(t)
     orientation = _quaternion(roll, pitch, yaw)
     force = Vector3(
@@ -88,7 +88,7 @@ def _body_rates(t: float, roll: float, pitch: float) -> Vector3:
 
 
 def _to_body(q: Quaternion, v: Vector3) -> Vector3:
-    """The world vector in the body frame: the transposed rotation matrix of q, times v."""
+    """Return the world vector in the body frame: the transposed rotation matrix of q, times v."""
     x, y, z, w = q.x, q.y, q.z, q.w
     return Vector3(
         (1 - 2 * (y * y + z * z)) * v.x + 2 * (x * y + w * z) * v.y + 2 * (x * z - w * y) * v.z,

@@ -1,4 +1,4 @@
-"""The names that users give to a reader: of its topics, and of the frame of its sensor."""
+"""Names that users give to a reader: of its topics, and of the frame of its sensor."""
 
 from rosbase.contracts.names import resolve_topic
 from rosbase.errors import BackendError, ParameterError
@@ -18,7 +18,7 @@ def check_names(topic_namespace: str, frame_id: str, node_name: str) -> None:
         node_name: The name of the node, its namespace in front if there is one.
 
     Raises:
-        ParameterError: One of them cannot be; the line says why.
+        ParameterError: One of them is invalid; the message says why.
     """
     try:
         resolve_topic(f"{topic_namespace}/{_LONGEST_TOPIC}", node_name)
@@ -29,7 +29,8 @@ def check_names(topic_namespace: str, frame_id: str, node_name: str) -> None:
 
 
 def _frame_fault(frame_id: str) -> str:
-    """Return why tf2 or DDS takes no such frame; empty if they do (tf2: `validateFrameId`)."""
+    """Return why tf2 or DDS refuses a frame name; empty if they accept it (tf2: `validateFrameId`).
+    """
     if not frame_id:
         return "is empty, and tf2 takes no empty frame"
     if frame_id.startswith("/"):

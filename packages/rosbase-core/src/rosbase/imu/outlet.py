@@ -1,4 +1,4 @@
-"""Where samples go: the three topics of REP-145, their stamps, and what became of each sample."""
+"""Publish samples on the three topics of REP-145, with their stamps, and count the outcomes."""
 
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
@@ -31,7 +31,7 @@ class Publishers:
     """The reader's publishers: `data`, `data_raw` and `mag`, under its namespace."""
 
     def __init__(self, create: Callable[[type, str], LifecyclePublisher], namespace: str) -> None:
-        """Creates them."""
+        """Create the publishers."""
         self.data = create(Imu, f"{namespace}/data")
         self.data_raw = create(Imu, f"{namespace}/data_raw")
         self.mag = create(MagneticField, f"{namespace}/mag")
@@ -48,14 +48,14 @@ class Outlet:
         covariances: Mapping[str, Covariance],
         counts: Counts,
     ) -> None:
-        """Prepares nothing yet.
+        """Take the arguments; prepare nothing yet.
 
         Args:
-            publishers: Of the three topics.
-            prepare: Makes what sends samples that are like a given message.
-            frame_id: Of all messages.
-            covariances: Of each quantity, where it is reported.
-            counts: Counts what becomes of each sample.
+            publishers: Publishers of the three topics.
+            prepare: Makes a sender of samples that resemble a given message.
+            frame_id: Frame of all messages.
+            covariances: Covariance of each quantity, where it is reported.
+            counts: Counts the outcome of each sample.
         """
         self._publishers = publishers
         self._prepare = prepare
@@ -67,7 +67,7 @@ class Outlet:
         self._gate = publishers.data
 
     def publish(self, sample: Sample, stamp_ns: int) -> bool:
-        """Publish what the sample has, and count it; return whether it went out.
+        """Publish the quantities of the sample, and count it; return whether it was published.
 
         A stamp that ROS cannot carry is published as zero. An exception counts as `not_sent`.
         """

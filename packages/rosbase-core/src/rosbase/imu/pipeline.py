@@ -26,18 +26,18 @@ _LONGEST_SHOWN = 80
 
 
 class Pipeline:
-    """Publishes the samples in frames, and counts and logs what it drops."""
+    """Publishes the samples in frames, and counts and logs dropped ones."""
 
     def __init__(
         self, settings: ReaderSettings, outlet: Outlet, counts: Counts, logger: RosbaseLogger
     ) -> None:
-        """Compiles the mapping and prepares the checks.
+        """Compile the mapping and prepare the checks.
 
         Args:
-            settings: Which mapping and which checks.
+            settings: Mapping and checks.
             outlet: Publishes samples, and counts them.
             counts: Counts the frames that are dropped.
-            logger: Logs what is dropped, at a limited rate.
+            logger: Logs dropped samples, at a limited rate.
         """
         self._outlet = outlet
         self._counts = counts
@@ -52,25 +52,25 @@ class Pipeline:
         self._never_there = NeverThere(settings.asked_for)
 
     def redirect(self, outlet: Outlet) -> None:
-        """Publish samples through another outlet from now on. From any thread."""
+        """Publish samples through another outlet from now on. Call it from any thread."""
         self._outlet = outlet
 
     @property
     def finding(self) -> str:
-        """What is wrong with samples that are published, in one line; empty if nothing."""
+        """Fault of the published samples, in one line; empty if none."""
         of_dates = self._dates.finding if self._dates else ""
         found = (self._checks.finding, of_dates, self._undated.finding)
         return "; ".join([finding for finding in found if finding])
 
     def explain(self, reason: str) -> str:
-        """Say what is known of a reason for which frames are refused."""
+        """Return the explanation of a reason for which frames are refused."""
         return self._explanations.of(reason)
 
     def take(self, frame: bytes, stamp_ns: int) -> bool:
-        """Publish the samples in a frame; tell whether there are any.
+        """Publish the samples in a frame; return whether there are any.
 
         Args:
-            frame: As the transport hands it over.
+            frame: The frame, from the transport.
             stamp_ns: When its first bytes were read, in nanoseconds since the epoch.
         """
         found = self._read_sample(frame)
@@ -104,7 +104,7 @@ class Pipeline:
     def _date(
         self, dates: DeviceDates, sample: Sample, frame: bytes, arrived_ns: int
     ) -> tuple[int, Reject | None]:
-        """Return the stamp of a sample, and why it is to be dropped, if it is."""
+        """Return the stamp of a sample, and the reason if it must be dropped."""
         verdict = dates.judge(sample, arrived_ns)
         if verdict is None:
             return arrived_ns, None
@@ -117,7 +117,7 @@ class Pipeline:
         return arrived_ns, None
 
     def _note(self, left_out: Iterable[Reject], frame: bytes) -> None:
-        """Count and log what a sample goes out without."""
+        """Count and log the quantities that a sample leaves out."""
         for reject in left_out:
             if reject.reason == "time_unusable":
                 self._counts.time_unusable += 1

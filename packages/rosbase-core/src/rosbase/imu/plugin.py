@@ -1,4 +1,4 @@
-"""Registers the payload presets of the core."""
+"""Register the payload presets of the core."""
 
 from collections.abc import Iterable
 
@@ -10,5 +10,5 @@ __all__ = ["rosbase_presets"]
 
 @hookimpl
 def rosbase_presets() -> Iterable[PresetPlugin]:
-    """The presets of the core."""
+    """Return the presets of the core."""
     return PRESETS

@@ -1,4 +1,4 @@
-"""What is asked of a transport's plugin, and what a user is told when it cannot answer."""
+"""Calls to a transport's plugin, and the errors that a user sees if it fails."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,10 +14,10 @@ __all__ = ["finished", "make_transport", "simulate"]
 def make_transport(
     plugin: TransportPlugin, values: Mapping[str, ParameterValue], context: TransportContext
 ) -> Transport:
-    """A transport; it has touched no device.
+    """Return a transport that has touched no device yet.
 
     Raises:
-        ConfigurationError: The values cannot be; or the plugin is not finished, or broken.
+        ConfigurationError: The values are invalid; or the plugin is not finished, or broken.
     """
     with _working(plugin):
         transport = plugin.create(values, context)
@@ -27,7 +27,7 @@ def make_transport(
 
 
 def simulate(plugin: TransportPlugin) -> SimulatedDevice:
-    """A simulated device.
+    """Return a simulated device.
 
     Raises:
         ConfigurationError: There is none; or it is not finished, or broken.
@@ -43,10 +43,10 @@ def simulate(plugin: TransportPlugin) -> SimulatedDevice:
 
 @contextmanager
 def finished(plugin: TransportPlugin) -> Iterator[None]:
-    """Says of what is not written yet that it is not.
+    """Raise a clear error where a plugin is not implemented yet.
 
     Raises:
-        ConfigurationError: It is not.
+        ConfigurationError: It is not implemented.
     """
     try:
         yield

@@ -1,7 +1,7 @@
 """The payloads of known devices, as data. The values are those of the `mapping.*` parameters.
 
-Sources are the firmwares themselves: what they print, and in which units, as their code
-says; names of fields never tell a unit.
+Sources are the firmwares themselves: their code shows which fields they print, and in which units.
+Field names never tell a unit.
 """
 
 from rosbase.plugins import PresetPlugin
@@ -66,4 +66,4 @@ PRESETS: tuple[PresetPlugin, ...] = (
     ),
     PresetPlugin("custom", "nothing but what the mapping.* parameters say", {}),
 )
-"""Those that come with the core."""
+"""Presets of the core."""

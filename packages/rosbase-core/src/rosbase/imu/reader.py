@@ -38,14 +38,14 @@ _NOTHING: Mapping[str, ParameterValue] = {}
 
 
 class ImuReader(LifecycleNode):
-    """Reads an IMU through any transport and publishes what it measures.
+    """Reads an IMU through any transport and publishes its measurements.
 
     Topics: `imu/data` for samples with an orientation, `imu/data_raw` for those without
     (REP-145), `imu/mag` for the magnetic field, and `/diagnostics` once a second.
 
-    configure takes the device, activate starts reading, deactivate stops and gives the
-    device back, cleanup and shutdown release everything. Frames become messages on the
-    transport's reader thread; a bad one is dropped and counted, and the next goes through.
+    configure opens the device, activate starts reading, deactivate stops and releases the
+    device, cleanup and shutdown release everything. Frames become messages on the transport's
+    reader thread. A bad frame is dropped and counted, and the next one goes through.
     """
 
     def __init__(
@@ -56,17 +56,18 @@ class ImuReader(LifecycleNode):
         parameter_defaults: Mapping[str, ParameterValue] = _NOTHING,
         **kwargs: Any,
     ) -> None:
-        """Declares the parameters, those of every installed transport too.
+        """Declare the parameters, including those of every installed transport.
 
         Args:
             manager: The manager, if it has one.
             args: Ignored, as in `BaseNode`.
-            registry: Where transports and presets come from; the installed plugins by default.
-            parameter_defaults: Defaults of its parameters that are not the usual ones.
-            kwargs: As in `BaseNode`.
+            registry: Registry of transports and presets; the installed plugins by default.
+            parameter_defaults: Defaults of its parameters that differ from the usual ones.
+            kwargs: Passed on to `BaseNode`.
 
         Raises:
-            ConfigurationError: They ask for what is not installed, or contradict each other.
+            ConfigurationError: They name something that is not installed, or contradict each
+                other.
         """
         super().__init__(manager, *args, **kwargs)
         self._registry = registry or installed_plugins()
@@ -95,22 +96,22 @@ class ImuReader(LifecycleNode):
 
     @property
     def counts(self) -> CountsSnapshot:
-        """What became of the frames so far."""
+        """Counts of the frames so far."""
         return self._counts.snapshot(self.transport_health.frame_errors)
 
     @property
     def transport_health(self) -> TransportHealth:
-        """How the transport is, or was when it was closed."""
+        """Health of the transport, also after it was closed."""
         return self._transport.health if self._transport else TransportHealth()
 
     @property
     def health(self) -> Health:
-        """How the reader is, as last judged; four times a second while active."""
+        """Health of the reader, judged four times a second while active."""
         return self._monitor.health if self._monitor else _NOT_ACTIVE
 
     @property
     def last_health(self) -> Health:
-        """How the reader is, or was when it was last active."""
+        """Health of the reader now, or when it was last active."""
         return self._last_health if self._monitor is None else self._monitor.health
 
     def check_health(self) -> Health:
@@ -121,13 +122,13 @@ class ImuReader(LifecycleNode):
 
     @property
     def settings(self) -> ReaderSettings:
-        """What the parameters amount to, as far as they count by now."""
+        """Settings from the parameters, as far as they have taken effect."""
         return self._settings
 
     # The lifecycle.
 
     def on_configure(self, previous_state: State) -> CallbackReturn:
-        """Takes the device, or refuses with the reason."""
+        """Open the device, or fail with the reason."""
         try:
             settings = self._read_settings()
             transport = self._make_transport(settings)
@@ -151,7 +152,7 @@ class ImuReader(LifecycleNode):
         return CallbackReturn.SUCCESS
 
     def on_activate(self, previous_state: State) -> CallbackReturn:
-        """Starts the reader thread, taking the device again if need be."""
+        """Start the reader thread, and open the device again if necessary."""
         assert self._transport is not None
         assert self._pipeline is not None
         try:
@@ -171,31 +172,31 @@ class ImuReader(LifecycleNode):
         return CallbackReturn.SUCCESS
 
     def on_deactivate(self, previous_state: State) -> CallbackReturn:
-        """Ends the reader thread and gives the device back."""
+        """End the reader thread and release the device."""
         self._stop_reading()
         return CallbackReturn.SUCCESS
 
     def on_cleanup(self, previous_state: State) -> CallbackReturn:
-        """Releases everything."""
+        """Release everything."""
         self._release()
         return CallbackReturn.SUCCESS
 
     def on_shutdown(self, previous_state: State) -> CallbackReturn:
-        """Releases everything."""
+        """Release everything."""
         self._release()
         return CallbackReturn.SUCCESS
 
     def on_error(self, previous_state: State) -> CallbackReturn:
-        """Releases everything: from here it can be configured again."""
+        """Release everything, so that the node can be configured again."""
         self._release()
         return CallbackReturn.SUCCESS
 
     def release_resources(self) -> None:
-        """Releases everything, for a node that is run without a manager."""
+        """Release everything, for a node without a manager."""
         self._release()
 
     def _judge_change(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Refuse what cannot be or would not count; have count what counts at once."""
+        """Refuse invalid changes and those without effect; apply at once what can be applied."""
         changed = {
             parameter.name: parameter.value
             for parameter in parameters
@@ -216,7 +217,7 @@ class ImuReader(LifecycleNode):
         return SetParametersResult(successful=True)
 
     def _take_over(self, settings: ReaderSettings, state: State) -> None:
-        """Have settings count from now on; those of an unconfigured reader count later."""
+        """Apply settings from now on; those of an unconfigured reader apply later."""
         if state is State.INACTIVE:
             self._pipeline = self._make_pipeline(settings, self._settings.without_effect)
         elif state is State.ACTIVE and self._pipeline is not None:
@@ -225,7 +226,7 @@ class ImuReader(LifecycleNode):
             self._settings = settings
 
     def _make_pipeline(self, settings: ReaderSettings, said: Sequence[str] = ()) -> Pipeline:
-        """Make the path of a frame; `said` has been logged before."""
+        """Make the pipeline of a frame; `said` has been logged before."""
         for note in settings.without_effect:
             if note not in said:
                 self.logger.warning(note)
@@ -276,7 +277,7 @@ class ImuReader(LifecycleNode):
         )
 
     def _replace_transport(self, transport: Transport) -> None:
-        """Takes the new transport; what the one before it has counted is kept."""
+        """Use the new transport; keep the counts of the previous one."""
         for reason, number in self.transport_health.frame_errors.items():
             self._counts.add(reason, number)
         self._transport = transport
@@ -287,7 +288,7 @@ class ImuReader(LifecycleNode):
         return publisher
 
     def _read_settings(self, changed: Mapping[str, ParameterValue] = _NOTHING) -> ReaderSettings:
-        """Return what the parameters amount to, with some of them changed."""
+        """Return the settings from the parameters, with some of them changed."""
         settings = read_settings(
             self._registry, lambda name: changed[name] if name in changed else self._value(name)
         )
@@ -298,12 +299,12 @@ class ImuReader(LifecycleNode):
         return self.get_parameter(name).value
 
     def _finding(self, pipeline: Pipeline) -> str:
-        """Return what is wrong with samples that go out, in one line; empty if nothing."""
+        """Return the fault of published samples, in one line; empty if none."""
         fault = self._date_fault()
         return f"stamps are zero: {fault}" if fault else pipeline.finding
 
     def _explain(self, reason: str, pipeline: Pipeline) -> str:
-        """Say what is known of a reason for which samples do not go out."""
+        """Return the explanation of a reason for which samples are not published."""
         return (reason == "not_sent" and self._date_fault()) or pipeline.explain(reason)
 
     def _date_fault(self) -> str:
@@ -312,7 +313,7 @@ class ImuReader(LifecycleNode):
 
 
 def _open(transport: Transport) -> None:
-    """Take the device; give it back if a signal interrupts that."""
+    """Open the device; release it if a signal interrupts that."""
     try:
         transport.open()
     except KeyboardInterrupt:

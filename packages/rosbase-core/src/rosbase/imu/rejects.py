@@ -1,11 +1,12 @@
-"""Why a frame does not become a message: one word each for counting, and a hint for people."""
+"""Reasons why a frame does not become a message: one word each for counting, and a hint for people.
+"""
 
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 
 __all__ = ["IGNORED", "NO_SIGN_OF_LIFE", "REASONS", "REJECT_LOG_S", "SAID_BEFORE", "meaning_of"]
 
 REJECT_LOG_S = 5.0
-"""Least seconds between two lines in the log about the same reason."""
+"""Minimum seconds between two log lines about the same reason."""
 
 REASONS: dict[str, str] = {
     **PAYLOAD_REASONS,
@@ -29,7 +30,7 @@ REASONS: dict[str, str] = {
     "retained": "kept by the broker from an earlier time",
     "unended": "bytes without an end of line",
 }
-"""Every reason, with what it means or what to check."""
+"""Every reason, with its meaning or a hint what to check."""
 
 IGNORED = frozenset(
     {"duplicate", "not_active", "not_data", "not_selected", "other_topic", "retained"}
@@ -37,12 +38,13 @@ IGNORED = frozenset(
 """Reasons that are no fault of the device."""
 
 SAID_BEFORE = frozenset({"late"})
-"""Reasons of which the transport's log says more than there is to say here."""
+"""Reasons that the transport's log explains better."""
 
 NO_SIGN_OF_LIFE = frozenset({"bad_topic", "other_topic", "retained"})
-"""Reasons that say nothing of the device that is read: whether it lives, or what it sends."""
+"""Reasons that say nothing about the device that is read: neither that it lives, nor what it sends.
+"""
 
 
 def meaning_of(reason: str) -> str:
-    """Return what a reason means; an empty text for one that a transport has of its own."""
+    """Return the meaning of a reason; empty for a transport's own reason."""
     return REASONS.get(reason, "")

@@ -1,4 +1,4 @@
-"""The reader's parameters: what they are, and what their values together mean."""
+"""The reader's parameters, and the settings made from their values."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -31,10 +31,10 @@ __all__ = [
 ]
 
 DEFAULT_TRANSPORT = "serial"
-"""What `comm_t` is where nothing else is said."""
+"""Default of `comm_t`."""
 
 AS_PRESET = "<preset>"
-"""The value of a mapping parameter that leaves it to the preset."""
+"""Value of a mapping parameter that leaves it to the preset."""
 
 _MAPPING = "mapping."
 
@@ -142,7 +142,7 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
     _full_scale("magnetic_field", "T"),
     *_mapping_parameters(),
 )
-"""Those of every reader; transports add theirs."""
+"""Parameters of every reader; transports add theirs."""
 
 
 _SPECS = {spec.name: spec for spec in READER_PARAMETERS}
@@ -156,7 +156,7 @@ _PRESETTABLE = {
 
 @frozen
 class ReaderSettings:
-    """What the parameters say, checked and ready to use."""
+    """Settings from the parameters, checked and ready to use."""
 
     transport: TransportPlugin
     transport_values: Mapping[str, ParameterValue]
@@ -167,23 +167,23 @@ class ReaderSettings:
     stale_timeout_s: float
     checks: CheckSettings
     covariances: Mapping[str, Covariance]
-    """By quantity; for those that a sample has."""
+    """Covariance by quantity, for the quantities of a sample."""
     asked_for: tuple[str, ...] = ()
-    """Quantities whose paths the user has given, and without which a sample still goes out."""
+    """Quantities whose paths the user has given. A sample is published without them too."""
     without_effect: tuple[str, ...] = ()
-    """What the user set and what does nothing, in a line each."""
+    """User settings without effect, in a line each."""
 
     @property
     def device(self) -> str:
-        """Which device it is: the value of the transport's first parameter."""
+        """Device that is read: the value of the transport's first parameter."""
         return str(next(iter(self.transport_values.values()), self.transport.name))
 
 
 def _clashes(registry: PluginRegistry) -> dict[str, str]:
-    """Transports that cannot be used, because a parameter of theirs means something else here.
+    """Return transports that cannot be used, because their parameter has another meaning here.
 
     Returns:
-        The reason, by the name of the transport. One of this project's wins over others.
+        The reason, by the name of the transport. This project's own transports take precedence.
 
     Raises:
         PluginError: There is one, and `ROSBASE_STRICT_PLUGINS` is set.
@@ -202,7 +202,7 @@ def _clashes(registry: PluginRegistry) -> dict[str, str]:
 
 
 def judged_plugins(registry: PluginRegistry) -> list[PluginRecord]:
-    """Every plugin; one whose transport no reader can use has failed, too.
+    """Return every plugin; a plugin has failed, too, if no reader can use its transport.
 
     Raises:
         PluginError: One has failed, and `ROSBASE_STRICT_PLUGINS` is set.
@@ -221,7 +221,7 @@ def _failed_by(clashes: Mapping[str, str], registry: PluginRegistry) -> list[Plu
 
 
 def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
-    """The parameters of a reader with the transports that are installed."""
+    """Return the parameters of a reader with the installed transports."""
     clashes = _clashes(registry)
     specs = {spec.name: spec for spec in READER_PARAMETERS}
     for name, transport in registry.transports.items():
@@ -233,10 +233,10 @@ def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
 def read_settings(
     registry: PluginRegistry, value_of: Callable[[str], ParameterValue]
 ) -> ReaderSettings:
-    """The settings that the values of the parameters amount to.
+    """Return the settings from the values of the parameters.
 
     Raises:
-        ConfigurationError: They ask for what is not installed, or contradict each other.
+        ConfigurationError: They name something that is not installed, or contradict each other.
     """
     get: Callable[[str], Any] = value_of
     transport = registry.transport(get("comm_t"))
@@ -271,7 +271,7 @@ def read_settings(
 def _of_others(
     settings: ReaderSettings, registry: PluginRegistry, get: Callable[[str], Any]
 ) -> Iterable[str]:
-    """What the user set for a transport that is not the chosen one."""
+    """Return user settings for a transport that is not the chosen one."""
     others = {
         spec.name: spec
         for name, transport in registry.transports.items()
@@ -284,7 +284,7 @@ def _of_others(
 
 
 def _without_effect(settings: ReaderSettings, get: Callable[[str], Any]) -> Iterable[str]:
-    """What the user set although nothing comes of it."""
+    """Return user settings that have no effect."""
     for group in GROUPS:
         if getattr(settings.mapping, f"{group}_paths"):
             continue
@@ -310,9 +310,9 @@ def _is_given(name: str, get: Callable[[str], Any]) -> bool:
 
 
 def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
-    """The preset, with what the parameters say in its place.
+    """Return the preset, with the changes from the parameters.
 
-    A unit or an order is never inherited by other paths than those it was stated for.
+    Only the paths for which a unit or an order was stated use it; others never inherit it.
     """
     values = _preset_values(preset)
     given = {name: get(name) for name in _PRESETTABLE if get(name) not in (AS_PRESET, [AS_PRESET])}

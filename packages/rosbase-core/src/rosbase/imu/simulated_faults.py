@@ -1,4 +1,4 @@
-"""Faults of a simulated IMU: what real boards and lines do to samples, for people to try."""
+"""Faults of a simulated IMU, as on real boards and lines, for people to try."""
 
 import json
 import re
@@ -15,16 +15,16 @@ _OFTEN, _SELDOM = 10, 50
 
 @frozen
 class FaultKind:
-    """A fault that can be asked for by name."""
+    """A fault that users can choose by name."""
 
     summary: str
-    """What happens, and what the reader makes of it."""
+    """Description of the fault, and of the reader's reaction."""
     make: Callable[[], Fault]
-    """Makes it, for one run."""
+    """Makes the fault, for one run."""
 
 
 def _every(period: int, spoil: Callable[[bytes], Iterable[bytes]]) -> Callable[[], Fault]:
-    """Spoil one sample in so many, and send the others as they are."""
+    """Spoil one sample in every `n`, and send the others unchanged."""
 
     def fault(number: int, payload: bytes) -> Iterable[bytes]:
         return spoil(payload) if number % period == period - 1 else (payload,)
@@ -57,7 +57,7 @@ def _message(payload: bytes) -> Iterable[bytes]:
 
 
 def _make_frozen() -> Fault:
-    """After two hundred samples, the same numbers again and again under new dates."""
+    """Repeat the same numbers after two hundred samples, under new dates."""
     last = b""
 
     def fault(number: int, payload: bytes) -> Iterable[bytes]:
@@ -95,4 +95,4 @@ FAULTS: Mapping[str, FaultKind] = {
         _every(_SELDOM, _spike),
     ),
 }
-"""By name."""
+"""Faults by name."""

@@ -1,4 +1,4 @@
-"""A simulated IMU: prints what an ideal device on a known motion measures, at a fixed rate."""
+"""A simulated IMU: sends the measurements of an ideal device on a known motion, at a fixed rate."""
 
 import threading
 from collections.abc import Callable, Iterable
@@ -13,14 +13,14 @@ from rosbase.messages import Time
 __all__ = ["Fault", "ImuSimulator", "payload_at"]
 
 Fault: TypeAlias = Callable[[int, bytes], Iterable[bytes]]
-"""Gives what a faulty device sends in place of a sample, by its number and its payload."""
+"""Function that returns the faulty payload for a sample, by its number and its payload."""
 
 _NS_PER_S = 1_000_000_000
 _PATIENCE_S = 1.0
 
 
 def payload_at(t: float, stamp: Time, frame_id: str = "imu_link") -> bytes:
-    """The sample at `t` seconds of the motion, as one line of JSON in the preset `ros`."""
+    """Return the sample at `t` seconds of the motion, as one line of JSON in the preset `ros`."""
     sample = motion_at(t)
     q, w, a = sample.orientation, sample.angular_velocity, sample.linear_acceleration
     return (
@@ -33,10 +33,10 @@ def payload_at(t: float, stamp: Time, frame_id: str = "imu_link") -> bytes:
 
 
 class ImuSimulator:
-    """Sends samples to a simulated device at absolute deadlines, on a thread of its own.
+    """Sends samples to a simulated device at absolute deadlines, on its own thread.
 
-    Unless it is told otherwise none is skipped: after a delay the late ones follow at once, as
-    from a buffer.
+    By default no sample is skipped: after a delay the late ones follow at once, as from a
+    buffer.
     """
 
     def __init__(
@@ -48,15 +48,15 @@ class ImuSimulator:
         fault: Fault | None = None,
         is_attended: bool = True,
     ) -> None:
-        """Prepares to send `rate_hz` samples per second, stamped with the clock's date.
+        """Prepare to send `rate_hz` samples per second, stamped with the clock's date.
 
         Args:
-            device: What sends them.
+            device: Device that sends them.
             rate_hz: Samples per second.
-            clock: Its date is the stamp.
-            fault: What is sent in place of each sample.
-            is_attended: Whether somebody reads, so that a full link is waited for. Else what a
-                `PluggableDevice` has no room for is not sent.
+            clock: Clock whose date is the stamp.
+            fault: Replaces each sample.
+            is_attended: Whether a reader is present, so that sending waits for a full link.
+                Otherwise a sample is not sent if a `PluggableDevice` has no room.
         """
         self._device = device
         self._rate_hz = rate_hz
@@ -68,10 +68,10 @@ class ImuSimulator:
         self._stop = threading.Lock()
         self._due = 0
         self.sent = 0
-        """Samples sent so far."""
+        """Number of samples sent so far."""
 
     def start(self) -> None:
-        """Begins to send, or goes on where it was stopped. Harmless when it sends."""
+        """Start sending, or go on after a stop. Do nothing while sending."""
         if self._thread is not None:
             return
         self._stop.acquire()
@@ -79,7 +79,7 @@ class ImuSimulator:
         self._thread.start()
 
     def stop(self) -> None:
-        """Sends no more. Harmless when it has stopped, or never started."""
+        """Stop sending. Do nothing if it has stopped, or never started."""
         if self._thread is None:
             return
         self._stop.release()

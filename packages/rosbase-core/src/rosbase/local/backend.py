@@ -19,12 +19,12 @@ MessageT = TypeVar("MessageT")
 
 
 class LocalBackend(Backend):
-    """A node's connection to the other nodes of this process."""
+    """Connects a node to the other nodes of this process."""
 
     delivers_in_process = True
 
     def __init__(self, options: BackendOptions, bus: Bus | None = None) -> None:
-        """Opens it on the bus of this process, or on one of the caller's own."""
+        """Open the backend on the bus of this process, or on a given one."""
         super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
@@ -40,10 +40,10 @@ class LocalBackend(Backend):
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
     ) -> Publisher:
-        """A publisher. Unless it is TRANSIENT_LOCAL, its depth matters to nobody.
+        """Create a publisher. Unless it is TRANSIENT_LOCAL, its depth has no effect.
 
-        Within one process nothing is lost on the way: BEST_EFFORT delivers as RELIABLE does,
-        and differs only in who matches.
+        Within one process nothing is lost on the way: BEST_EFFORT delivers as RELIABLE
+        does, and differs only in which subscriptions match.
         """
         name = self._check(topic)
         publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic))
@@ -57,7 +57,7 @@ class LocalBackend(Backend):
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile,
     ) -> Subscription:
-        """A subscription that keeps as many messages as its profile says."""
+        """Create a subscription that keeps as many messages as its profile says."""
         name, profile = self._check(topic), as_profile(qos_profile, topic)
         subscription = LocalSubscription(name, callback, profile, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
@@ -65,27 +65,27 @@ class LocalBackend(Backend):
         return subscription
 
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher."""
+        """Destroy a publisher."""
         if publisher in self._publishers:
             self._publishers.remove(publisher)
             self._bus.remove_publisher(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Ends a subscription."""
+        """Destroy a subscription."""
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             self._bus.remove_subscription(subscription)
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        """Make a parameter known, with its override if there is one."""
+        """Declare a parameter, with its override if there is one."""
         return self._parameters.declare(spec)
 
     def get_parameter(self, name: str) -> Parameter:
-        """Return the parameter as it is now."""
+        """Return the parameter with its current value."""
         return self._parameters.get(name)
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all of them, or none if one is refused."""
+        """Set all parameters, or none if one is refused."""
         return self._parameters.set(parameters)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
@@ -93,7 +93,7 @@ class LocalBackend(Backend):
         self._parameters.add_callback(callback)
 
     def close(self) -> None:
-        """Ends everything that was created."""
+        """Destroy everything that was created."""
         self._closed = True
         for publisher in list(self._publishers):
             self.destroy_publisher(publisher)

@@ -1,7 +1,7 @@
-"""Topics within one process: a message is handed over as it is, to every subscription.
+"""Topics within one process: every subscription gets the same message object.
 
-A link is a way to another process: it subscribes here to what is wanted there, and is told
-what is wanted here.
+A link leads to another process. It subscribes here to the topics wanted there, and learns which
+topics are wanted here.
 """
 
 import threading
@@ -24,7 +24,7 @@ __all__ = ["Bus", "process_bus"]
 
 
 class _Topic:
-    """A name, its type, who publishes, and who listens."""
+    """A topic: its name and type, its publishers and its subscriptions."""
 
     __slots__ = ("msg_type", "publishers", "subscriptions")
 
@@ -35,7 +35,7 @@ class _Topic:
         self.subscriptions: tuple[LocalSubscription, ...] = ()
 
     def wanted_on(self, channel: Channel, link: BusLink) -> QoSProfile | None:
-        """Of what others than this link ask for, the profile of the greatest depth."""
+        """Return the profile of the greatest depth among subscriptions other than this link's."""
         return max(
             (s.profile for s in self.subscriptions if s.channel == channel and s.link is not link),
             key=lambda profile: profile.queue_depth,
@@ -54,7 +54,7 @@ class Bus:
         self._lock = threading.Lock()
 
     def add_publisher(self, name: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
-        """A publisher of the topic with that full name.
+        """Add a publisher of the topic with that full name.
 
         Raises:
             BackendError: The topic has another type.
@@ -68,7 +68,7 @@ class Bus:
         return publisher
 
     def add_subscription(self, subscription: LocalSubscription, msg_type: type) -> None:
-        """Has the subscription receive what is kept for it, and what is published from now on.
+        """Add a subscription: it receives kept messages, and new ones from now on.
 
         Raises:
             BackendError: The topic has another type.
@@ -83,21 +83,21 @@ class Bus:
         self._warn(subscription.topic, reasons)
 
     def remove_publisher(self, publisher: LocalPublisher) -> None:
-        """Ends a publisher that `add_publisher` gave, with what it has kept."""
+        """Remove a publisher from `add_publisher`, with its kept messages."""
         with self._lock:
             publisher.close()
             self._topics[publisher.topic].publishers.remove(publisher)
             self._leave(publisher.topic)
 
     def resize_subscription(self, subscription: LocalSubscription, profile: QoSProfile) -> None:
-        """Has the subscription keep as many messages as that profile says from now on."""
+        """Change the number of messages that the subscription keeps to that of the profile."""
         with self._lock:
             subscription.profile = profile
             subscription.resize(profile.queue_depth)
             self._tell_links(subscription, self._topics[subscription.topic])
 
     def remove_subscription(self, subscription: LocalSubscription) -> None:
-        """Ends a subscription that `add_subscription` took."""
+        """Remove a subscription from `add_subscription`."""
         subscription.close()
         with self._lock:
             topic = self._topics[subscription.topic]
@@ -108,7 +108,7 @@ class Bus:
             self._leave(subscription.topic)
 
     def add_link(self, link: BusLink) -> None:
-        """Tells the link what is wanted here, now and from now on."""
+        """Tell the link which topics are wanted here, now and from now on."""
         with self._lock:
             self._links = (*self._links, link)
             for topic in self._topics.values():
@@ -116,12 +116,12 @@ class Bus:
                     _tell(link, subscription, topic)
 
     def remove_link(self, link: BusLink) -> None:
-        """Tells it no more. Its subscriptions are for itself to remove."""
+        """Stop telling the link. It must remove its own subscriptions."""
         with self._lock:
             self._links = tuple(other for other in self._links if other is not link)
 
     def deliver_from(self, link: BusLink, name: str, channel: Channel, message: Any) -> None:
-        """Queues a message that came over the link with those whom the channel serves.
+        """Queue a message from the link for the subscriptions that the channel serves.
 
         Raises:
             TypeError: The message is not of the topic's type.
@@ -141,7 +141,10 @@ class Bus:
             _tell(link, subscription, topic)
 
     def _warn(self, name: str, reasons: Iterable[str]) -> None:
-        """Says once for each topic who gets nothing. Without the lock: a log may be a topic."""
+        """Warn once per topic of subscriptions that get nothing.
+
+        Call it without the lock, because a log may be a topic.
+        """
         for reason in filter(None, reasons):
             self._logger.log_once(
                 f"{name}: a subscription gets nothing from a publisher: {reason}", "WARNING"
@@ -162,7 +165,7 @@ class Bus:
 
 
 def _connect(publisher: LocalPublisher, subscription: LocalSubscription) -> str:
-    """Brings the two together, or gives the reason why they do not match."""
+    """Connect the two, or return the reason why they do not match."""
     reason = mismatch(publisher.profile, subscription.profile)
     if not reason:
         publisher.connect(subscription)
@@ -178,5 +181,5 @@ _process_bus = Bus()
 
 
 def process_bus() -> Bus:
-    """The bus of this process, on which every backend is that is not given one of its own."""
+    """Return the bus of this process, for every backend without its own."""
     return _process_bus

@@ -1,4 +1,4 @@
-"""The two ends of a topic: who publishes hands over to those subscriptions that match."""
+"""The two ends of a topic: a publisher hands messages to the matching subscriptions."""
 
 import threading
 from collections import deque
@@ -18,29 +18,32 @@ __all__ = [
 ]
 
 Channel = str | int
-"""Those subscriptions of a topic that a link serves together: all volatile ones of the same
-reliability, by its name, or one that is latched, by a number of its own."""
+"""Group of a topic's subscriptions that a link serves together.
+
+All volatile ones of the same reliability form a group, by its name. Each latched one has its own,
+by a number.
+"""
 
 
 class BusLink(Protocol):
-    """What a bus tells a link."""
+    """Interface through which a bus informs a link."""
 
     def audience_changed(
         self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
     ) -> None:
-        """Called when others than the link itself subscribe to a topic, or do so no more.
+        """Note that subscriptions other than the link's own to a topic have changed.
 
         Args:
             topic: Its full name.
             msg_type: The type of its messages.
-            channel: Which subscriptions this is about.
-            profile: Of those, the one of the greatest depth; None if there is none left.
+            channel: The group of subscriptions.
+            profile: Their profile of the greatest depth; None if there is none left.
         """
         ...
 
 
 class LocalSubscription(QueuedSubscription):
-    """Messages of a topic of this process, as its profile asks for them."""
+    """Messages of a topic of this process, kept as its profile asks."""
 
     __slots__ = ("channel", "link", "profile")
 
@@ -55,9 +58,9 @@ class LocalSubscription(QueuedSubscription):
         super().__init__(topic, callback, profile.queue_depth, schedule)
         self.profile = profile
         self.link = link
-        """The link that subscribes on behalf of another process, if it is one."""
+        """Link that subscribes on behalf of another process, if it is one."""
         self.channel: Channel = profile.reliability.name
-        """How links know it. The bus gives a latched one its number."""
+        """Channel by which links know it. The bus gives a latched one its number."""
 
 
 class LocalPublisher:
@@ -73,7 +76,7 @@ class LocalPublisher:
         self._deliveries: tuple[Callable[[Any], None], ...] = ()
 
     def publish(self, message: Any) -> None:
-        """Queues the message with every subscription that matches. From any thread.
+        """Queue the message for every matching subscription. Call it from any thread.
 
         Raises:
             TypeError: The message is not of the topic's type.
@@ -88,15 +91,15 @@ class LocalPublisher:
     # Called by the bus, one at a time.
 
     def connect(self, subscription: LocalSubscription) -> None:
-        """Has the subscription receive what is published from now on."""
+        """Connect the subscription: it receives messages published from now on."""
         self._deliveries = (*self._deliveries, subscription.deliver)
 
     def disconnect(self, subscription: LocalSubscription) -> None:
-        """Undoes it; harmless if there is nothing to undo."""
+        """Disconnect the subscription. Do nothing if it is not connected."""
         self._deliveries = tuple(d for d in self._deliveries if d != subscription.deliver)
 
     def close(self) -> None:
-        """Nobody hears it from here on."""
+        """Close the publisher: nobody receives its messages from now on."""
         self._deliveries = ()
 
 
@@ -112,13 +115,14 @@ class LatchedPublisher(LocalPublisher):
         self._lock = threading.Lock()
 
     def publish(self, message: Any) -> None:
-        """Queues the message as any publisher does, and keeps it."""
+        """Queue the message as any publisher does, and keep it."""
         with self._lock:
             super().publish(message)
             self._kept.append(message)
 
     def connect(self, subscription: LocalSubscription) -> None:
-        """Begins with what was kept, if the subscription asks for it and has room for it."""
+        """Connect the subscription, starting with kept messages if it asks and has room for them.
+        """
         with self._lock:
             if subscription.profile.is_latched:
                 for message in list(self._kept)[-subscription.depth :]:
@@ -126,13 +130,13 @@ class LatchedPublisher(LocalPublisher):
             super().connect(subscription)
 
     def close(self) -> None:
-        """Nobody hears it from here on, and nothing is kept."""
+        """Close the publisher and drop its kept messages."""
         with self._lock:
             super().close()
             self._kept = deque(maxlen=0)
 
 
 def make_publisher(topic: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
-    """A publisher that keeps what its profile says."""
+    """Create a publisher that keeps messages as its profile says."""
     kind = LatchedPublisher if profile.is_latched else LocalPublisher
     return kind(topic, msg_type, profile)

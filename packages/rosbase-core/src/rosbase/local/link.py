@@ -1,10 +1,11 @@
 """Topics shared with one other process of this machine: a manager's, or its child's.
 
-Each side tells the other what it subscribes to, and sends only that. Both ends are the same.
-Whether a subscription matches, and what is kept for it, is decided where the publisher is.
-What arrives is unpickled, and unpickling may run any code, so a link is for processes that trust
-each other completely: a program and its own children. What cannot be read ends the link. That
-protects against a mistake, such as a write to the wrong descriptor, and not against an attack.
+Each side tells the other its subscriptions, and sends only messages for those. Both ends are the
+same. The publisher's side decides whether a subscription matches, and which messages are kept for
+it. Arriving data is unpickled, and unpickling may run any code. So a link is only for processes
+that trust each other completely: a program and its own children. Unreadable data ends the link.
+That protects against a mistake, such as a write to the wrong descriptor, and not against an
+attack.
 """
 
 import logging
@@ -32,7 +33,7 @@ _PATIENCE_S = 0.5
 _REPORT_S = 5.0
 _MANY_RECORDS = 1000
 _MOST_BYTES = 1 << 28
-"""The largest message that a link takes; 256 MiB."""
+"""Maximum size of a message on a link: 256 MiB."""
 
 
 class Link:
@@ -40,7 +41,7 @@ class Link:
 
     Two threads serve it: one sends, so that publishing never waits for the other process, and
     one receives. While the other process is slower than the publisher, a topic keeps as many
-    messages as its subscription there is deep, and the oldest go.
+    messages as the depth of its subscription there. The oldest are dropped.
     """
 
     def __init__(
@@ -55,12 +56,12 @@ class Link:
 
         Args:
             bus: The topics to share.
-            connection: To the other process. The link closes it.
-            name: How the log calls the other process.
-            on_record: Called with level and text of what `send_record` sends there.
-            on_fault: Called with the reason when something comes that cannot be read. The link
-                receives nothing any more then. If not given, the reason is logged, and what
-                comes next is received.
+            connection: The connection to the other process. The link closes it.
+            name: Name of the other process in the log.
+            on_record: Called with level and text of each record from the other end's
+                `send_record`.
+            on_fault: Called with the reason when unreadable data comes. The link receives nothing
+                any more then. If not given, the reason is logged, and the link goes on receiving.
         """
         self._bus = bus
         self._connection = connection
@@ -85,7 +86,7 @@ class Link:
         self._receiver = self._thread("receive", self._receive_all)
 
     def start(self, *first: Any) -> None:
-        """Begins to share topics; before that, the other end gets `first`, one by one."""
+        """Start sharing topics; before that, the other end gets `first`, one by one."""
         for value in first:
             self._executor.call_soon(partial(self._send_bytes, pickle.dumps(value)))
         self._sender.start()
@@ -95,7 +96,7 @@ class Link:
     def audience_changed(
         self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
     ) -> None:
-        """Tells the other end what is wanted here."""
+        """Tell the other end which topics are wanted here."""
         if self._wanted_here.get((topic, channel)) == profile:
             return
         if profile is None:
@@ -105,10 +106,10 @@ class Link:
         self._send_soon("want", topic, msg_type, channel, profile)
 
     def send_record(self, level: int, text: str) -> None:
-        """Has the other end log a text, at a level of the standard library's `logging`.
+        """Ask the other end to log a text, at a level of the standard library's `logging`.
 
-        While it is slower than whoever logs, the newest records are left out, and counted; there
-        is room for as many errors again.
+        While it is slower than the logging here, the newest records are left out and
+        counted. Errors have as much room again.
         """
         room = _MANY_RECORDS if level < logging.ERROR else 2 * _MANY_RECORDS
         with self._record_lock:
@@ -119,7 +120,7 @@ class Link:
         self._executor.call_soon(partial(self._send_record, level, text))
 
     def close(self) -> None:
-        """Ends it: what waits to be sent or received has half a second for it. Idempotent."""
+        """Close the link: data on its way has half a second to be sent or received. Idempotent."""
         self._bus.remove_link(self)
         self._executor.call_soon(self._end)
         for thread in (self._sender, self._receiver):
@@ -189,7 +190,7 @@ class Link:
                 self._unreadable(f"it announces a message of more than {_MOST_BYTES} bytes")
 
     def _take(self, data: bytes) -> bool:
-        """Do what a message says; false if nothing more is to be received."""
+        """Handle a message; return False if nothing more may be received."""
         try:
             what, *values = pickle.loads(data)
             take, kinds = self._kinds[what]
@@ -205,7 +206,7 @@ class Link:
         return True
 
     def _unreadable(self, why: str) -> bool:
-        """Say so; true if the next message may be better."""
+        """Report unreadable data; return True if the next message may be better."""
         if self._on_fault is None:
             self._report(why)
             return True

@@ -1,4 +1,4 @@
-"""Registers the `local` backend, by the same hook as every other."""
+"""Register the `local` backend, by the same hook as every other."""
 
 from collections.abc import Iterable
 
@@ -16,5 +16,5 @@ def _create(options: BackendOptions) -> Backend:
 
 @hookimpl
 def rosbase_backends() -> Iterable[BackendPlugin]:
-    """The backend of the core."""
+    """Return the backend of the core."""
     yield BackendPlugin("local", "topics, timers and parameters within one process", _create)

@@ -1,4 +1,4 @@
-"""The logger of the four roles, and where its records go."""
+"""The logger of the four roles, and the destinations of its records."""
 
 from rosbase.logger.console import Console, use_console
 from rosbase.logger.custom import make_logger

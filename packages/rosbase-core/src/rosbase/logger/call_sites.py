@@ -1,4 +1,4 @@
-"""The place in a program from which something is logged."""
+"""Call sites: the places in a program that log."""
 
 import sys
 from types import FrameType

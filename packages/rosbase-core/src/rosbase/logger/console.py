@@ -1,4 +1,4 @@
-"""The console: where log lines go while the application has set up no logging of its own."""
+"""The console: writes log lines while the application has set up no logging of its own."""
 
 import logging
 import os
@@ -17,11 +17,11 @@ class Console(logging.Handler):
     def __init__(
         self, write: Callable[[str], object] | None = None, *, has_colour: bool | None = None
     ) -> None:
-        """Take where lines go.
+        """Take the function that writes lines.
 
         Args:
             write: Called with each text, line end included.
-            has_colour: Whether lines have the colour of their level; by default on a terminal.
+            has_colour: Whether to colour lines by level; by default on a terminal.
         """
         super().__init__()
         self._write = write
@@ -52,22 +52,22 @@ _console: list[Console] = []
 
 
 def current_console() -> Console:
-    """Return the console of this process, which is made when it is first needed."""
+    """Return the console of this process; create it on first use."""
     if not _console:
         _console.append(Console())
     return _console[0]
 
 
 def use_console(console: Console | None) -> None:
-    """Have log lines written by this console; None stands for the usual one."""
+    """Write log lines with this console; None stands for the usual one."""
     _console[:] = [] if console is None else [console]
 
 
 def wants_colour(stream: TextIO) -> bool:
     """Return whether lines for a stream have colours.
 
-    `RCUTILS_COLORIZED_OUTPUT` says so with 0 or 1. Otherwise a terminal has them, unless
-    `NO_COLOR` is set.
+    `RCUTILS_COLORIZED_OUTPUT` turns them off or on with 0 or 1. Otherwise a terminal has
+    colours, unless `NO_COLOR` is set.
     """
     said = _said_of_colour()
     return stream.isatty() if said is None else said

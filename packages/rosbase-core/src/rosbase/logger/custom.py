@@ -1,4 +1,4 @@
-"""A logger of the application's own, under the methods of rosbase's."""
+"""A logger class of the application, with the methods of rosbase's logger added."""
 
 import logging
 from collections.abc import Callable
@@ -31,7 +31,7 @@ _WHOLE = ("get_child", "get_effective_level", "is_enabled_for", "set_level")
 
 
 class _CustomLogger(RosbaseLogger):
-    """A logger of the application's own, with whatever ours can do and it cannot."""
+    """Wraps a logger of the application, and adds the methods that it lacks."""
 
     def __init__(
         self,
@@ -60,24 +60,24 @@ class _CustomLogger(RosbaseLogger):
         return getattr(self._custom, attribute)
 
     def reset(self) -> None:
-        """Forget what has been logged once, here and there."""
+        """Forget the calls logged once, in both loggers."""
         super().reset()
         if hasattr(self._custom, "reset"):
             self._custom.reset()
 
     def set_level(self, level: str | int) -> None:
-        """Set the least level that gets to the application's own logger, if it cannot itself."""
+        """Set the minimum level of the application's logger, even if it has no such method."""
         self._least = level_number(level)
 
     def get_effective_level(self) -> int:
-        """Return the level that was set, or that of whoever listens."""
+        """Return the level that was set, or the listener's."""
         return self._least or self._default_level
 
     def _way(self, level: int) -> bool | None:
         return True if level >= self._least else None
 
     def _say(self, method: str, message: Any, *more: Any, **options: Any) -> None:
-        """Write a message, with whatever else the application's own logger takes."""
+        """Write a message, with all arguments that the application's own logger takes."""
         level, frame = _METHODS[method][0], calling_frame()
         if self._way(level) is None:
             return
@@ -94,7 +94,7 @@ class _CustomLogger(RosbaseLogger):
         self._hand_on(record)
 
     def _say_its_way(self, method: str, message: str, *more: Any, **options: Any) -> Any:
-        """Write as only the application's own logger can, at a level that it may be given."""
+        """Write in a way that only the application's logger has, at a level if it takes one."""
         message = _cleaned(message)
         answer = getattr(self._custom, method)(message, *more, **options)
         named = str(options.get("level", more[0] if more else "")).upper()
@@ -120,7 +120,7 @@ class _CustomLogger(RosbaseLogger):
             super()._emit(record, is_applications=survey(self._logger)[0])
 
     def _emit(self, record: logging.LogRecord, *, is_applications: bool) -> None:
-        """Write what one of our methods has made of a message."""
+        """Write a message that one of our methods has prepared."""
         levels = {level: method for method, (level, _) in reversed(_METHODS.items())}
         self._write(levels.get(record.levelno, "info"), whole_text(record), (), {}, record)
 
@@ -141,10 +141,10 @@ def make_logger(
     """Return the logger of that name.
 
     Args:
-        name: What its records are called.
-        custom: A class of the application's own, which is called with the name.
-        clock: What throttles.
-        listener: A backend's handler, which is given what is logged, beside the console.
+        name: Name of its records.
+        custom: A class of the application, which is called with the name.
+        clock: Clock for throttling.
+        listener: A backend's handler, which gets the records beside the console.
         has_console: Whether the console gets records too. A custom logger decides by itself.
     """
     if custom is None:
@@ -160,7 +160,8 @@ def make_logger(
 
 
 def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
-    """The text of a logger that takes values for it, as `logging` does; others take colours."""
+    """Return the text, as in `logging`, for a logger that takes values; for others, with colours.
+    """
     try:
         return message % values if values else message
     except (TypeError, ValueError):
@@ -168,5 +169,5 @@ def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
 
 
 def _cleaned(message: Any) -> Any:
-    """The message as one line, if it is a text; a logger of the application's may take others."""
+    """Return a text message as one line; a logger of the application may take other types."""
     return log_line(message) if isinstance(message, str) else message

@@ -1,9 +1,9 @@
-"""Who decides about a record: the application, if it has set up logging, else the console.
+"""Choose where a record goes: to the application's handlers, if it has any, else to the console.
 
-A library that calls `logging.info()` has Python set up logging behind everybody's back: with a
-handler for stderr, and at WARNING. That is nobody's decision, so it does not count. Neither does
-a handler that writes nothing. Every other handler is the application's, and decides about format
-and level as everywhere in Python.
+If a library calls `logging.info()`, Python sets up logging with a handler for stderr, at WARNING.
+Nobody has chosen that, so it does not count. A handler that writes nothing does not count either.
+Every other handler belongs to the application, and decides about format and level as everywhere in
+Python.
 """
 
 import logging
@@ -20,9 +20,9 @@ def survey(logger: logging.Logger) -> tuple[bool, int]:
     """Look at the loggers from this one up to the root.
 
     Returns:
-        Whether a record reaches a handler that the application has set up; and the level that was
-        set for this logger or for all of rosbase's, 0 if none was. The root's level does not count:
-        its default is WARNING, and libraries change it.
+        Whether a record reaches a handler of the application. Also the level that was set for this
+        logger or for all of rosbase's, 0 if none was. The root's level does not count: its default
+        is WARNING, and libraries change it.
     """
     is_applications, is_passed_on, level = False, True, logging.NOTSET
     at: logging.Logger | None = logger

@@ -1,4 +1,4 @@
-"""`once`, `skip_first` and `throttle_duration_sec`, as rclpy has them: for each call site."""
+"""The filters `once`, `skip_first` and `throttle_duration_sec` of rclpy, for each call site."""
 
 import threading
 from typing import Any, TypedDict
@@ -13,32 +13,33 @@ _NS_PER_S = 1_000_000_000
 _MANY_KEYS = 1000
 
 FILTERS = frozenset(("once", "skip_first", "throttle_duration_sec", "throttle_time_source_type"))
-"""The options that are filters."""
+"""Options that are filters."""
 
 
 class LogOptions(TypedDict, total=False):
-    """The keyword arguments of each level's method."""
+    """Keyword arguments of each level's method."""
 
     once: bool
     """Log only the first call from this place."""
     skip_first: bool
     """Leave out the first call from this place."""
     throttle_duration_sec: float
-    """Log a call from this place at most once in so many seconds."""
+    """Minimum seconds between two logged calls from this place."""
     throttle_time_source_type: Any
-    """A clock of rosbase or rclpy to throttle by; by default the monotonic clock."""
+    """Clock of rosbase or rclpy to throttle by; by default the monotonic clock."""
     exc_info: Any
     """As in `logging`: an exception, its `sys.exc_info()`, or true for the current one."""
     stack_info: bool
-    """As in `logging`: whether the call stack stands below the line."""
+    """As in `logging`: whether to show the call stack below the line."""
     stacklevel: int
-    """As in `logging`: which caller counts as the place; 1 is whoever calls the method."""
+    """As in `logging`: which caller counts as the place; 1 is the caller of the method."""
     extra: dict[str, object]
     """As in `logging`: attributes for the record, for the application's own formatters."""
 
 
 class Filters:
-    """What has been logged from where. A filter counts only calls whose level is enabled."""
+    """Remembers the logged calls of each place. A filter counts only calls whose level is enabled.
+    """
 
     def __init__(self) -> None:
         """Start with nothing logged."""
@@ -52,7 +53,7 @@ class Filters:
 
         Raises:
             TypeError: There is a clock to throttle by, and no duration.
-            ValueError: The clock is none.
+            ValueError: The clock is invalid.
         """
         key, duration_s = (site, level), options.get("throttle_duration_sec")
         source = options.get("throttle_time_source_type")
@@ -83,7 +84,7 @@ class Filters:
 
 
 def make_room(known: dict[Any, Any]) -> None:
-    """Forget the oldest of too many keys."""
+    """Forget the oldest keys if there are too many."""
     while len(known) >= _MANY_KEYS:
         del known[next(iter(known))]
 

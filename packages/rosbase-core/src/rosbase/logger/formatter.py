@@ -1,4 +1,4 @@
-"""Log lines in the format of ROS 2, which `RCUTILS_CONSOLE_OUTPUT_FORMAT` changes."""
+"""Format log lines as ROS 2 does; `RCUTILS_CONSOLE_OUTPUT_FORMAT` changes the format."""
 
 import logging
 import os
@@ -13,7 +13,7 @@ from rosbase.text.printable import indented, log_line
 __all__ = ["DEFAULT_FORMAT", "RosFormatter"]
 
 DEFAULT_FORMAT = "[{severity}] [{time}] [{name}]: {message}"
-"""As of rcutils."""
+"""Default format of rcutils."""
 
 _NS_PER_S = 1_000_000_000
 _NS_PER_MS = 1_000_000
@@ -64,8 +64,8 @@ class RosFormatter(logging.Formatter):
         """Take the format.
 
         Args:
-            template: As in `RCUTILS_CONSOLE_OUTPUT_FORMAT`, which counts if none is given.
-            has_colour: Whether lines have the colour of their level, as on a terminal.
+            template: The format, as in `RCUTILS_CONSOLE_OUTPUT_FORMAT`, which is the default.
+            has_colour: Whether to colour lines by level, as on a terminal.
         """
         super().__init__()
         given = os.environ.get("RCUTILS_CONSOLE_OUTPUT_FORMAT")
@@ -94,12 +94,12 @@ def _compile(template: str) -> list[str | _Part]:
 
 
 def _message(record: logging.LogRecord) -> list[str]:
-    """The lines of a message; a logger that is not rosbase's may give more than one."""
+    """Return the lines of a message; a logger other than rosbase's may have more than one."""
     return record.getMessage().split("\n")
 
 
 def _below(text: str) -> str:
-    """Lines that stand below a record: each is indented, so that none looks like a record."""
+    """Return the lines below a record, indented so that none looks like a record."""
     lines = text.split("\n")
     are_indented = all(line.startswith(_INDENT) for line in lines)
     return indented(

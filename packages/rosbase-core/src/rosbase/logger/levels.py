@@ -1,4 +1,4 @@
-"""Log levels: the numbers of `logging`, which are those of ROS, and the names that ROS has."""
+"""Log levels: the numbers of `logging`, which are also ROS's, and the names of ROS."""
 
 import logging
 
@@ -11,7 +11,7 @@ LEVELS = {
     "ERROR": logging.ERROR,
     "FATAL": logging.CRITICAL,
 }
-"""The names that ROS has for the levels."""
+"""Names of the levels in ROS."""
 
 _NAMES = {number: name for name, number in LEVELS.items()}
 
@@ -32,5 +32,5 @@ def level_number(level: str | int) -> int:
 
 
 def severity(level: int) -> str:
-    """Return the name in ROS of the nearest level that is not above this one."""
+    """Return the ROS name of the nearest level that is not above this one."""
     return _NAMES[min(logging.CRITICAL, max(logging.DEBUG, level // 10 * 10))]

@@ -1,4 +1,4 @@
-"""The text of a record: a message with its values, and what stands below it."""
+"""The text of a record: a message with its values, and the lines below it."""
 
 import logging
 import sys
@@ -13,7 +13,7 @@ __all__ = ["error_of", "fill_in", "show", "stack_of", "traceback_of", "whole_tex
 
 
 def fill_in(message: object, values: tuple[object, ...]) -> str:
-    """Return the message with its values, as `logging` does it. It raises nothing.
+    """Return the message with its values, as `logging` does. It never raises.
 
     Without values the message stays as it is. If they do not fit, the text says so.
     """
@@ -29,7 +29,7 @@ def fill_in(message: object, values: tuple[object, ...]) -> str:
 
 
 def show(value: object, how: Any = str) -> str:
-    """Return the text of any value, also of one that has none because its code raises."""
+    """Return the text of any value, even if its code raises."""
     try:
         return str(how(value))
     except Exception as error:
@@ -37,7 +37,7 @@ def show(value: object, how: Any = str) -> str:
 
 
 def error_of(exc_info: Any) -> BaseException | None:
-    """Return the exception that `exc_info` means, as in `logging`."""
+    """Return the exception of `exc_info`, as in `logging`."""
     if isinstance(exc_info, BaseException):
         return exc_info
     if isinstance(exc_info, tuple):
@@ -60,6 +60,6 @@ def stack_of(frame: FrameType) -> str:
 
 
 def whole_text(record: logging.LogRecord) -> str:
-    """Return the message with what stands below it."""
+    """Return the message with the lines below it."""
     below = (record.exc_text, record.stack_info)
     return "\n".join([record.getMessage(), *(text for text in below if text)])

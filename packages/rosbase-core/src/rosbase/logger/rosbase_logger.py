@@ -1,4 +1,4 @@
-"""The logger of the four roles: the standard library's, with the methods that rclpy has."""
+"""The logger of the four roles: based on the standard library's, with the methods of rclpy."""
 
 import copy
 import logging
@@ -23,16 +23,17 @@ _MANY_KEYS = 1000
 
 
 class RosbaseLogger:
-    """Writes records of `logging.getLogger("rosbase.<name>")`.
+    """Writes records to `logging.getLogger("rosbase.<name>")`.
 
-    An application that sets up handlers decides about them, their levels and formats, as everywhere
-    in Python. Otherwise INFO and worse goes to stderr in the format of ROS 2.
+    An application that sets up handlers decides about them, their levels and formats, as
+    everywhere in Python. Otherwise, records of INFO and above go to stderr in the format of
+    ROS 2.
 
-    Each message is one line of printable characters: line ends and control characters are written
-    as escapes, and a traceback stands indented below the line.
+    Each message is one line of printable characters: line ends and control characters are
+    written as escapes, and a traceback is indented below the line.
 
-    Every level takes `message, *values` as in `logging`, and the keyword arguments of `LogOptions`.
-    A backend may listen, with a handler that is not one of the application's.
+    Every level takes `message, *values` as in `logging`, and the keyword arguments of
+    `LogOptions`. A backend may listen, with its own handler.
     """
 
     def __init__(
@@ -46,10 +47,10 @@ class RosbaseLogger:
         """Make the logger.
 
         Args:
-            name: What its records are called.
-            clock: What throttles.
-            listener: A backend's handler, which is given what is logged, beside the console. Its
-                level counts where none is set in `logging`.
+            name: Name of its records.
+            clock: Clock for throttling.
+            listener: A backend's handler, which gets the records beside the console. Its level
+                counts where none is set in `logging`.
             has_console: Whether the console gets records too.
         """
         self.name = name
@@ -70,7 +71,7 @@ class RosbaseLogger:
         self._log(logging.INFO, message, values, options)
 
     def warning(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
-        """Log at WARN: something is wrong, and the work goes on."""
+        """Log at WARN: something is wrong, but work continues."""
         self._log(logging.WARNING, message, values, options)
 
     def warn(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
@@ -98,20 +99,20 @@ class RosbaseLogger:
         self._log(level_number(level), f"*** {message} ***")
 
     def log_once(self, message: str, level: str | int = "INFO") -> None:
-        """Log a message the first time only, wherever it comes from."""
+        """Log a message the first time only, from any place."""
         number = level_number(level)
         if self.is_enabled_for(number) and self._first_time(number, message):
             self._log(number, message)
 
     def log_throttle(self, message: str, seconds: float, level: str | int = "INFO") -> None:
-        """Log the same message at most once in so many seconds, wherever it comes from."""
+        """Log the same message at most once in a number of seconds, from any place."""
         if self.due(message, seconds):
             self._log(level_number(level), message)
 
     def due(self, key: str, seconds: float) -> bool:
         """Return whether `key` may be logged again, at most once in `seconds`.
 
-        For messages that change with every call, and should be throttled together.
+        Use it for messages that change with every call, and should be throttled together.
         """
         now_ns, known = self._clock.monotonic_ns(), hash(key)
         with self._lock:
@@ -124,7 +125,7 @@ class RosbaseLogger:
             return True
 
     def reset(self) -> None:
-        """Forget what has been logged once, skipped or throttled."""
+        """Forget which calls were logged once, skipped or throttled."""
         self._filters.reset()
         with self._lock:
             self._said.clear()
@@ -136,7 +137,7 @@ class RosbaseLogger:
         return RosbaseLogger(name, self._clock, self._listener, has_console=self._has_console)
 
     def set_level(self, level: str | int) -> None:
-        """Set the least level that is logged; 0 takes it back.
+        """Set the minimum level that is logged; 0 resets it.
 
         Raises:
             ValueError: No level has that name.
@@ -144,7 +145,7 @@ class RosbaseLogger:
         self._logger.setLevel(level_number(level))
 
     def get_effective_level(self) -> int:
-        """Return the least level that is logged, as a number of `logging`."""
+        """Return the minimum level that is logged, as a number of `logging`."""
         is_applications, chosen = survey(self._logger)
         if is_applications:
             return self._logger.getEffectiveLevel()
@@ -156,7 +157,7 @@ class RosbaseLogger:
 
     @property
     def level(self) -> int:
-        """The least level that is logged, as a number of `logging`."""
+        """Minimum level that is logged, as a number of `logging`."""
         return self.get_effective_level()
 
     def _way(self, level: int) -> bool | None:
@@ -200,7 +201,7 @@ class RosbaseLogger:
         return not is_filtered or self._filters.pass_on(site_of(frame), level, options, self._clock)
 
     def _emit(self, record: logging.LogRecord, *, is_applications: bool) -> None:
-        """Give a record to the application's handlers, or to the console."""
+        """Pass a record to the application's handlers, or to the console."""
         if is_applications:
             self._logger.handle(record)
         elif self._has_console:
@@ -209,7 +210,7 @@ class RosbaseLogger:
     def _record_of(
         self, level: int, line: str, frame: FrameType, options: LogOptions
     ) -> logging.LogRecord:
-        """Return a record whose traceback is safe to show: formatters take the text it brings."""
+        """Return a record whose traceback is safe to show: formatters use its prepared text."""
         error, code = error_of(options.get("exc_info")), frame.f_code
         record = self._logger.makeRecord(
             self._logger.name,
@@ -232,7 +233,7 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Give the listener a copy of a record, with all of its text in the message."""
+        """Pass a copy of a record to the listener, with all of its text in the message."""
         if self._listener is None:
             return
         heard = copy.copy(record)
