@@ -39,8 +39,7 @@ def check_broker(context: CheckContext) -> Iterable[Finding]:
 
 
 def _as_a_guest(values: Mapping[str, ParameterValue]) -> MqttConfig:
-    """Return the settings with another client name. A broker disconnects a client of the same name.
-    """
+    """Return the settings with another client name: a broker disconnects a second one."""
     client_id = f"{values['client_id']}-doctor" if values["client_id"] else ""
     return MqttConfig.from_values({**values, "client_id": client_id, "status_topic": ""})
 

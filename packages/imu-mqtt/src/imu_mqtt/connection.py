@@ -170,8 +170,7 @@ class Connection:
         return self._session.keep_alive()
 
     def _await_event(self, sock: BufferedSocket, timeout_s: float) -> int:
-        """Return the events that the network is ready for; if messages come fast, after a moment.
-        """
+        """Return the events of the network; if messages come fast, after a moment."""
         wants = select.POLLIN | (select.POLLOUT if sock.has_unsent else 0)
         if wants != self._wants:
             self._wants = wants

@@ -51,8 +51,7 @@ class TlsError(RefusedError):
 
 
 class Dial:
-    """One attempt to reach a broker, with a time limit for everything but the look-up of its name.
-    """
+    """One attempt to reach a broker, with a time limit for all but the look-up of its name."""
 
     def __init__(self, clock: Clock, is_wanted: Callable[[], bool], limit_s: float) -> None:
         """Start the time limit."""

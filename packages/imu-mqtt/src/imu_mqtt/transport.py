@@ -121,7 +121,10 @@ class MqttTransport(Transport):
         return TransportState.CONNECTED if network.is_connected else TransportState.RECONNECTING
 
     def _caller(self) -> NetworkThread | None:
-        """The network thread that calls, from within `on_frame`; it may have been left behind."""
+        """Return the network thread if it is the caller, from within `on_frame`.
+
+        It may have been left behind.
+        """
         networks = [self._network, *self._left_behind]
         return next((n for n in networks if n is not None and n.is_current_thread), None)
 

@@ -85,8 +85,7 @@ class Dialer:
         raise failure
 
     def _places(self, deadline_ns: int) -> list[Any]:
-        """Return the addresses of the host. The look-up has no time limit, so it runs on a thread.
-        """
+        """Return the addresses of the host. The look-up may hang, so it runs on a thread."""
         host, port = self._address.host, self._address.port
         try:
             numeric = socket.AI_NUMERICHOST
@@ -165,7 +164,7 @@ class Link:
                 self._port_data(self._client, received)
 
     def report(self, is_quiet: bool) -> DeviceReport:
-        """Return the errors that the server has told of, and what it has not done."""
+        """Return the errors reported by the server, and the requests that it has not fulfilled."""
         client = self._client
         if client is None:
             return DeviceReport()

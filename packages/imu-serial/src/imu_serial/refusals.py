@@ -42,8 +42,7 @@ def is_name(path: str) -> bool:
 
 
 def is_multiplexer(path: str) -> bool:
-    """Return whether each opening of a file makes a new pseudo-terminal, which never receives data.
-    """
+    """Return whether each opening of a file makes a new pseudo-terminal, without a sender."""
     return os.path.realpath(path) in _MULTIPLEXERS
 
 

@@ -1,4 +1,4 @@
-"""`python -m rosbase` is the command `rosbase`, of the Python that is named."""
+"""Run the command `rosbase` with a chosen Python: `python -m rosbase`."""
 
 import sys
 

@@ -1,5 +1,4 @@
-"""Clocks: the only code that reads time. Everything else is given a clock, which tests can control.
-"""
+"""Clocks: the only code that reads time. All other code gets a clock, which tests can control."""
 
 import threading
 import time
@@ -72,8 +71,7 @@ class SystemClock:
 
     @staticmethod
     def suspended_ns() -> int:
-        """Return for how long the machine has slept since it was started; always 0 except on Linux.
-        """
+        """Return for how long the machine has slept since its start; always 0 except on Linux."""
         if not hasattr(time, "CLOCK_BOOTTIME"):
             return 0
         return time.clock_gettime_ns(time.CLOCK_BOOTTIME) - time.monotonic_ns()

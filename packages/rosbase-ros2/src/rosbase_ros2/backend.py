@@ -1,4 +1,4 @@
-"""The `ros2` backend: an rclpy node of its own, handled on the main-loop thread."""
+"""The `ros2` backend: its own rclpy node, handled on the main-loop thread."""
 
 import copy
 import sys
@@ -61,21 +61,21 @@ _LAST_MESSAGES_S = 0.5
 
 
 class Ros2Backend(Backend):
-    """A connection to ROS 2: one rclpy context, one node, one thread that takes messages in."""
+    """A connection to ROS 2: one rclpy context, one node, one thread that receives messages."""
 
     def __init__(self, options: BackendOptions) -> None:
-        """Starts a node; arguments after `--ros-args` on the command line are heeded.
+        """Start a node, with the arguments after `--ros-args` on the command line.
 
         Raises:
             BackendError: ROS refuses the arguments or the name, or cannot start on this machine.
-            ParameterError: An override of a quality of service is none.
+            ParameterError: An override of a quality of service is invalid.
         """
         super().__init__(SystemClock(), options.node_name)
         self._context = rclpy.Context()
         warning, words = prepare_machine(), ros_arguments(sys.argv)
         arguments = RosArguments(words)
         self.node = start_node(self._context, options, arguments)
-        """The rclpy node, for whatever else a program needs: actions, services, tf2."""
+        """Node of rclpy, for everything else that a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
         self.node_name = self.node.get_fully_qualified_name().removeprefix("/")
         self.clock = clock = RosClock(self.node)
@@ -112,11 +112,11 @@ class Ros2Backend(Backend):
         )
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: Any) -> Publisher:
-        """A publisher of rosbase messages, which are converted, or of native ROS ones.
+        """Create a publisher of rosbase messages, which are converted, or of native ROS ones.
 
         Args:
             msg_type: The class of the messages.
-            topic: As in ROS: relative, absolute, or private with `~/`; remapping applies.
+            topic: Name as in ROS: relative, absolute, or private with `~/`; remapping applies.
             qos_profile: The depth of a reliable, volatile topic, or a profile of rosbase or rclpy.
         """
         self._check_open()
@@ -133,7 +133,7 @@ class Ros2Backend(Backend):
         callback: Callable[[MessageT], object],
         qos_profile: Any,
     ) -> Subscription:
-        """A subscription; the callback runs on the main-loop thread."""
+        """Create a subscription; the callback runs on the main-loop thread."""
         self._check_open()
         converter, profile = self._conversions.of(msg_type), to_profile(qos_profile, topic)
         subscription = RosSubscription(converter, callback, queue_depth(profile), self.call_soon)
@@ -144,35 +144,35 @@ class Ros2Backend(Backend):
         return subscription
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """A timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
+        """Create a timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
         self._check_open()
         return self._timers.add(self.executor.create_timer(timer_period_ns(period_s), callback))
 
     def destroy_timer(self, timer: Timer) -> None:
-        """Ends a timer."""
+        """Destroy a timer."""
         if isinstance(timer, RosTimer):
             self._timers.remove(timer)
 
     def destroy_publisher(self, publisher: Publisher) -> None:
-        """Ends a publisher; ROS sees it until its last messages have arrived."""
+        """Destroy a publisher; ROS sees it until its last messages have arrived."""
         if isinstance(publisher, RosPublisher) and publisher in self._publishers:
             self._publishers.remove(publisher)
             publisher.close()
             self._spinner.call(lambda: self._retirement.take(publisher.inner))
 
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Ends a subscription."""
+        """Destroy a subscription."""
         if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             subscription.close()
             self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        """Declares a parameter of the node."""
+        """Declare a parameter of the node."""
         return self._parameters.declare(spec)
 
     def get_parameter(self, name: str) -> Parameter:
-        """The parameter as it is now, set from outside or not."""
+        """Return the parameter with its current value, also if it was set from outside."""
         return self._parameters.get(name)
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
@@ -180,11 +180,11 @@ class Ros2Backend(Backend):
         return self._parameters.set(parameters)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` on the main loop before parameters are set, by whomever."""
+        """Ask `callback` on the main loop before parameters are set, from any source."""
         self._parameters.add_callback(callback)
 
     def begin_run(self, request_stop: Callable[[], object]) -> None:
-        """End the run when the program shuts rclpy down, in whatever way."""
+        """End the run when the program shuts rclpy down, in any way."""
         if self._host.begin_run(request_stop):
             self._spinner.look_now_and_then(self._host.look)
         if not self._context.ok():
@@ -195,7 +195,7 @@ class Ros2Backend(Backend):
         self._host.end_run()
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
-        """Offers the five services and the topic by which the ROS tools drive a managed node."""
+        """Create the five services and the topic with which the ROS tools drive a managed node."""
         self._check_open()
         if self._services:
             self._logger.warning(
@@ -206,13 +206,13 @@ class Ros2Backend(Backend):
         self._services.append(LifecycleServices(self.node, node, self.call_soon, self._logger))
 
     def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
-        """What sends samples as bytes."""
+        """Return a sender of samples as bytes."""
         if isinstance(publisher, RosPublisher):
             return publisher.imu_sender(template)
         return super().imu_sender(publisher, template)
 
     def close(self) -> None:
-        """Ends everything, in bounded time; what was published is delivered first."""
+        """Close everything, in bounded time; published messages are delivered first."""
         if self._closed:
             return
         self._closed = True
@@ -237,7 +237,7 @@ class Ros2Backend(Backend):
     def _create(
         self, end: str, ros_type: type, topic: str, profile: QoSProfile, *callback: Any
     ) -> Any:
-        """Have rclpy create an end of a topic; what it refuses is an error in one line."""
+        """Create an end of a topic with rclpy; turn a refusal into an error of one line."""
         resolve_topic(topic, self.node_name)
         is_publisher = end == "publisher"
         create = self.node.create_publisher if is_publisher else self.node.create_subscription
@@ -261,7 +261,7 @@ class Ros2Backend(Backend):
     def _read_given(
         self, options: BackendOptions, arguments: RosArguments, given: Mapping[str, Any]
     ) -> QoSOverrides:
-        """Take what the node was given from outside, and name what means nothing here."""
+        """Read the node's parameters from outside, and name those without a meaning here."""
         # What a program is given is meant for its manager or one of its children.
         warn = self._logger.debug if options.is_child else self._logger.warning
         try:

@@ -5,8 +5,8 @@ little-endian: OMG DDS-RTPS 2.3, section 10 (the four bytes in front), and CORBA
 section 9.3 (a number stands at a multiple of its own size, counted after those four; a text
 has its length in front, with the NUL that ends it).
 
-There is a fast way for the usual case, which only notices that something is not usual, and
-a careful one that alone decides what is wrong.
+A fast path handles the usual case, and only notices unusual values. A careful path alone decides
+what is wrong.
 """
 
 import struct
@@ -42,13 +42,13 @@ _MAGNETIC_FIELD: _Parts = (("magnetic_field", Vector3), ("magnetic_field_covaria
 
 
 class ImuEncoder:
-    """sensor_msgs/Imu. From any thread."""
+    """Encoder of sensor_msgs/Imu. Use it from any thread."""
 
     def __init__(self) -> None:
         self._layouts: dict[str, _Layout] = {}
 
     def encode(self, imu: Imu) -> bytes:
-        """The sample as `rclpy.serialization.serialize_message` would have it.
+        """Return the bytes of the sample as `rclpy.serialization.serialize_message` does.
 
         Raises:
             TypeError: a field has a value of the wrong kind.
@@ -73,13 +73,13 @@ class ImuEncoder:
 
 
 class MagneticFieldEncoder:
-    """sensor_msgs/MagneticField. From any thread."""
+    """Encoder of sensor_msgs/MagneticField. Use it from any thread."""
 
     def __init__(self) -> None:
         self._layouts: dict[str, _Layout] = {}
 
     def encode(self, sample: MagneticField) -> bytes:
-        """The sample; as in `ImuEncoder.encode`."""
+        """Return the bytes of the sample; see `ImuEncoder.encode`."""
         try:
             header, field = sample.header, sample.magnetic_field
             sec, nanosec = header.stamp.sec, header.stamp.nanosec
@@ -93,9 +93,9 @@ class MagneticFieldEncoder:
 
 
 def sample_packer(template: Imu) -> Callable[..., bytes]:
-    """What packs samples that are like the template but for their stamp and their numbers.
+    """Return a packer of samples that differ from the template only in stamp and numbers.
 
-    It takes what `rosbase.ImuSender` does, and like that checks nothing again.
+    It takes the arguments of `rosbase.ImuSender`, and checks nothing again either.
 
     Raises:
         TypeError: a field of the template has a value of the wrong kind.
@@ -125,7 +125,7 @@ def sample_packer(template: Imu) -> Callable[..., bytes]:
 def _encode_carefully(
     message: Any, kind: type, parts: _Parts, layouts: dict[str, _Layout]
 ) -> bytes:
-    """Checks each field by itself, and keeps the layout for the next with that frame."""
+    """Check each field separately, and keep the layout for the next sample with that frame."""
     where = kind.__name__
     header = as_message(as_message(message, where, kind).header, f"{where}.header", Header)
     stamp = as_message(header.stamp, f"{where}.header.stamp", Time)

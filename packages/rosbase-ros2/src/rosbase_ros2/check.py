@@ -1,4 +1,4 @@
-"""What `rosbase doctor` is told of ROS 2: rclpy, its middleware, the domain, shared memory."""
+"""Checks of ROS 2 for `rosbase doctor`: rclpy, its middleware, the domain, shared memory."""
 
 import json
 import os
@@ -41,7 +41,7 @@ _INSTALL = "pip install 'ros-jazzy-rclpy[fastrtps]'; where ROS is installed: sou
 
 
 def check_ros() -> Iterable[Finding]:
-    """Tell whether a node can be started, by which middleware, and in which domain."""
+    """Report whether a node can be started, with which middleware, and in which domain."""
     domain = _check_domain()
     # A node in a domain that is none says little of anything else.
     unwanted = {"ROS_DOMAIN_ID"} if domain.outcome is Outcome.FAIL else set()
@@ -76,7 +76,7 @@ def _check_node(environment: Mapping[str, str]) -> Iterable[Finding]:
 
 
 def _advice(failure: str) -> str:
-    """Return what a user may do about a node that does not start."""
+    """Return advice for a node that does not start."""
     if str(SHARED_MEMORY) in failure:
         return _FREE_MEMORY
     if date_fault(SystemClock().now_ns()):
@@ -108,7 +108,7 @@ def _check_domain() -> Finding:
 
 
 def _range() -> str:
-    """Which machines are seen, if that is not the usual."""
+    """Return which machines are seen, if that is not the usual range."""
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
         return "; nodes of this machine alone are seen: ROS_LOCALHOST_ONLY is 1"
     limit = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
@@ -116,7 +116,7 @@ def _range() -> str:
 
 
 def _middlewares() -> list[str]:
-    """The RMW implementations that are installed, as the index of ROS has them."""
+    """Return the installed RMW implementations, from the index of ROS."""
     prefixes = [*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix]
     indexes = [Path(prefix, _INDEX) for prefix in prefixes if prefix]
     names = {entry.name for index in indexes if index.is_dir() for entry in index.iterdir()}
@@ -125,14 +125,14 @@ def _middlewares() -> list[str]:
 
 @frozen
 class _Answer:
-    """What the child process says, and the status that it ended with."""
+    """Answer of the child process, and its exit status."""
 
     status: int = 0
     middleware: str = ""
     rclpy_failure: str = ""
-    """Why rclpy cannot be imported."""
+    """Reason why rclpy cannot be imported."""
     failure: str = ""
-    """Why else there is no node."""
+    """Other reason why there is no node."""
 
 
 def _ask_child(environment: Mapping[str, str]) -> _Answer:

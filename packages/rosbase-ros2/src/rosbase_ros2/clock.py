@@ -10,19 +10,19 @@ __all__ = ["RosClock"]
 
 
 class RosClock(SystemClock):
-    """The node's clock: the system's, or `/clock` while `use_sim_time` is true.
+    """Clock of the node: the system's, or `/clock` while `use_sim_time` is true.
 
     Deadlines stay on the monotonic clock of the machine.
     """
 
     def __init__(self, node: Any) -> None:
-        """The clock of an rclpy node."""
+        """Take the clock of an rclpy node."""
         self.clock = node.get_clock()
-        """The rclpy clock."""
+        """Clock of rclpy."""
 
     @property
     def is_simulated(self) -> bool:
-        """Whether `/clock` says what time it is."""
+        """Whether the time comes from `/clock`."""
         return bool(self.clock.ros_time_is_active)
 
     def now(self) -> Time:
@@ -30,6 +30,6 @@ class RosClock(SystemClock):
         return Time.as_stamp(self.now_ns())
 
     def now_ns(self) -> int:
-        """The date in nanoseconds since the Unix epoch, or since the simulation says."""
+        """Return the date in nanoseconds since the Unix epoch, or since the simulation's."""
         # Asking rclpy for the system's time costs ten times as much as asking the system.
         return self.clock.now().nanoseconds if self.is_simulated else time.time_ns()

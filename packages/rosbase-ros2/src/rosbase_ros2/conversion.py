@@ -1,7 +1,7 @@
-"""Messages of rosbase to those of ROS, and back.
+"""Conversion of rosbase messages to ROS messages, and back.
 
-A converter is made once for a type, out of the fields of both sides. What then runs for
-each message knows already where a field goes and which kind it must be.
+A converter is made once for a type, from the fields of both sides. So for each message, the place
+and the kind of every field are already known.
 """
 
 import typing
@@ -26,7 +26,7 @@ from rosbase_ros2.kinds import (
 __all__ = ["Accept", "Ask", "Conversions", "Converter"]
 
 Fill: TypeAlias = Callable[[Any, Any], None]
-"""Puts what a message of rosbase has into a ROS message."""
+"""Function that copies a message of rosbase into a ROS message."""
 
 _PACKAGES = {
     "builtin_interfaces": (messages.Time,),
@@ -52,44 +52,50 @@ _KNOWN: dict[type, str] = {kind: package for package, all_ in _PACKAGES.items() 
 
 @attrs.frozen
 class Converter:
-    """How one type of message becomes a ROS message, and how that becomes one again."""
+    """Conversion of one type of message to a ROS message, and back."""
 
     msg_type: type
-    """What programs publish and receive."""
+    """Message class that programs publish and receive."""
     ros_type: type
-    """What goes over the network."""
+    """ROS message class on the network."""
     to_ros: Callable[[Any], Any]
-    """A new ROS message. TypeError or ValueError names the field that cannot go into one."""
+    """Returns a new ROS message. TypeError or ValueError names a field that cannot be converted."""
     from_ros: Callable[[Any], Any]
-    """The message that a ROS message amounts to."""
+    """Returns the rosbase message for a ROS message."""
 
 
 Accept: TypeAlias = Callable[[Any], Converter]
-"""Takes a message class of ROS or a `Converter`. TypeError says why that will not do."""
+"""Function that takes a message class of ROS or a `Converter`.
+
+TypeError says why it cannot be used.
+"""
 Ask: TypeAlias = Callable[[type, Accept], Converter | None]
-"""Takes a class and what accepts an answer; gives what that gave, or None if nobody answers."""
+"""Function that takes a class and an acceptor of answers.
+
+It returns the acceptor's result, or None without an answer.
+"""
 
 
 class Conversions:
-    """The converters, each made when it is first needed.
+    """Converters, each made on first use.
 
-    Only then is the package of its ROS message imported.
+    The package of its ROS message is imported only then.
     """
 
     def __init__(self, ask: Ask | None = None) -> None:
-        """Takes who is asked about a class that is neither rosbase's nor of ROS."""
+        """Take the function that is asked about a class of neither rosbase nor ROS."""
         self._ask = ask or _know_nothing
         self._given: dict[type, Converter | None] = {}
         self._made: dict[type, Converter] = {}
 
     def of(self, msg_type: type) -> Converter:
-        """The converter of a message type, from any thread.
+        """Return the converter of a message type, from any thread.
 
         A ROS message class is left as it is.
 
         Raises:
-            TypeError: nothing is known of that type.
-            PluginError: a plugin has a conversion for it, or for a part of it, that is of no use.
+            TypeError: The type is unknown.
+            PluginError: A plugin's conversion for it, or for a part of it, is unusable.
         """
         found = self._made.get(msg_type)
         if found is None:
@@ -98,7 +104,7 @@ class Conversions:
         return found
 
     def derive(self, msg_type: type, ros_type: type) -> Converter:
-        """A converter for an attrs class that has the fields of a ROS message class.
+        """Return a converter for an attrs class that has the fields of a ROS message class.
 
         Raises:
             TypeError: their fields are not the same, or cannot be converted like this.
@@ -126,7 +132,7 @@ class Conversions:
         return found
 
     def _from_plugin(self, kind: Any) -> Converter | None:
-        """What a plugin has for a class, which it is asked once."""
+        """Return a plugin's converter for a class; the plugin is asked once."""
         if kind in _KNOWN or not isinstance(kind, type):
             return None
         if kind not in self._given:
@@ -141,14 +147,14 @@ class Conversions:
         raise TypeError(f"{given!r} is neither a message class of ROS nor a Converter for this one")
 
     def _part(self, kind: Any, ros_kind: str, where: str) -> Converter | None:
-        """What a plugin has for the class of a field, where ROS has its own class."""
+        """Return a plugin's converter for the class of a field, where ROS has its own class."""
         given = self._from_plugin(kind)
         if given and given.ros_type is not _ros_class(ros_kind):
             raise TypeError(f"{where} is {ros_kind} in ROS, which is not what a {kind.__name__} is")
         return given
 
     def _fill(self, msg_type: type, ros_type: Any, where: str) -> Fill:
-        """What fills in a ROS message that is there, so that none is built twice."""
+        """Return a function that fills an existing ROS message, so that none is built twice."""
         steps = tuple(
             self._step(name, kind, ros_kind, f"{where}.{name}")
             for name, kind, ros_kind in _fields(msg_type, ros_type)
@@ -214,7 +220,7 @@ class Conversions:
 
 
 def _know_nothing(kind: type, accept: Accept) -> None:
-    """Nobody answers."""
+    """Return None: no plugin is asked."""
 
 
 def _checked_by(converter: Converter) -> Check:
@@ -231,7 +237,7 @@ def _same(value: Any) -> Any:
 
 
 def _fields(msg_type: type, ros_type: Any) -> list[tuple[str, Any, str]]:
-    """Name, type and ROS type of each field."""
+    """Return name, type and ROS type of each field."""
     if not attrs.has(msg_type):
         raise TypeError(f"{msg_type} is no attrs class: it takes a Converter by hand")
     ros_kinds: dict[str, str] = ros_type.get_fields_and_field_types()
@@ -244,7 +250,7 @@ def _fields(msg_type: type, ros_type: Any) -> list[tuple[str, Any, str]]:
 
 
 def _element(kind: Any) -> Any:
-    """What a tuple type consists of."""
+    """Return the type of the elements of a tuple type."""
     return (typing.get_args(kind) or (object,))[0]
 
 

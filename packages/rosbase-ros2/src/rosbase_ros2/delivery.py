@@ -1,7 +1,7 @@
-"""Lets what was published arrive, because destroying a publisher of rclpy takes it back.
+"""Deliver published messages before a publisher is destroyed, because rclpy would drop them.
 
-A subscriber acknowledges what it has got when it is asked to, and Fast DDS asks every three
-seconds. So whoever ends a publisher does not wait for that: it retires, and is destroyed later.
+A subscriber acknowledges received messages on request, and Fast DDS asks every three seconds. So
+ending a publisher does not wait for that: the publisher retires, and is destroyed later.
 """
 
 from collections.abc import Iterable
@@ -23,19 +23,19 @@ _NS_PER_S = 1_000_000_000
 
 
 class Retirement:
-    """Publishers that send nothing more, until their last messages have arrived.
+    """Publishers that send nothing more, kept until their last messages have arrived.
 
     Everything here happens on the thread of rclpy.
     """
 
     def __init__(self, node: Any) -> None:
-        """For the publishers of an rclpy node. Those that are left are destroyed with it."""
+        """Prepare for the publishers of an rclpy node. Remaining ones are destroyed with it."""
         self._node = node
         self._publishers: list[Any] = []
         self._timer: Any = None
 
     def take(self, publisher: Any) -> None:
-        """Destroys a publisher of rclpy as soon as nothing of it is on its way."""
+        """Destroy a publisher of rclpy as soon as none of its messages is on its way."""
         self._publishers.append(publisher)
         self._look()
 
@@ -53,7 +53,7 @@ class Retirement:
 
 
 def await_delivery(publishers: Iterable[Any], patience_s: float, clock: Clock) -> None:
-    """Returns when all that publishers of rclpy sent has arrived, or the time is up."""
+    """Return when all messages of rclpy publishers have arrived, or the time is up."""
     deadline_ns = clock.monotonic_ns() + int(patience_s * _NS_PER_S)
     for publisher in publishers:
         # Given a time, rclpy waits with the interpreter locked, and all threads wait with it.
@@ -62,7 +62,7 @@ def await_delivery(publishers: Iterable[Any], patience_s: float, clock: Clock) -
 
 
 def _is_delivered(publisher: Any) -> bool:
-    """Whether every subscriber has acknowledged all; none has to, if it is not reliable."""
+    """Return whether every subscriber has acknowledged everything. An unreliable one need not."""
     try:
         return bool(publisher.wait_for_all_acked(_NOW))
     except InvalidHandle:

@@ -1,4 +1,4 @@
-"""Parameters that a node was given from outside, and files that have none for it."""
+"""Parameters that a node got from outside, and parameter files that name no such node."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -9,7 +9,7 @@ __all__ = ["given_parameters", "name_strange_files"]
 
 
 def given_parameters(node: Any) -> dict[str, Any]:
-    """Return the values that the command line and its files have for an rclpy node, by name."""
+    """Return the values for an rclpy node on the command line and in its files, by name."""
     with node.handle:
         given = node.handle.get_parameters(RosParameter)
     return {name: parameter.value for name, parameter in given.items()}
@@ -24,8 +24,8 @@ def name_strange_files(
     """Warn of parameter files that have nothing for a node, such as one with a misspelt name.
 
     Args:
-        files: By the name of a file: the nodes that it names, with their parameters.
-        names: The names of the parameters that the node was given.
+        files: Nodes in each file with their parameters, by the name of the file.
+        names: The names of the given parameters of the node.
         node_name: The full name of the node.
         warn: Called with a line for each file.
     """

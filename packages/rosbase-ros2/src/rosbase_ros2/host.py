@@ -13,20 +13,20 @@ __all__ = ["Host"]
 
 
 class Host:
-    """Watches over the default context of rclpy while a manager or lone node runs."""
+    """Watches over the default context of rclpy while a manager or standalone node runs."""
 
     def __init__(self, report: Callable[[str], object]) -> None:
-        """Watch nothing yet.
+        """Start without a run.
 
         Args:
-            report: Called with a line that says why the program ends. On rclpy's thread.
+            report: Called on rclpy's thread with a line that says why the program ends.
         """
         self._report = report
         self._context: Any = None
         self._request_stop: Callable[[], object] | None = None
 
     def begin_run(self, request_stop: Callable[[], object]) -> bool:
-        """Have that called when rclpy is shut down; tell whether there is anything to look at."""
+        """Call a function when rclpy is shut down; return whether there is a context to watch."""
         self._request_stop = request_stop
         context: Any = rclpy.get_default_context()
         self._context = context if context.ok() else None

@@ -1,4 +1,4 @@
-"""Says in one line what is missing, where rclpy cannot be imported."""
+"""Explain in one line what is missing if rclpy cannot be imported."""
 
 import os
 import signal
@@ -18,10 +18,10 @@ __all__ = [
 ]
 
 NO_SUCH_MIDDLEWARE = 102
-"""The status with which rcl ends the process (rmw_implementation_identifier_check.c)."""
+"""Exit status with which rcl ends the process (rmw_implementation_identifier_check.c)."""
 
 NO_SHARED_MEMORY = -signal.SIGBUS
-"""The status of a process that wrote to shared memory when there was none left."""
+"""Exit status of a process that wrote to shared memory when it was full."""
 
 # LTTng, which rcl traces with, writes a page there when rclpy is imported.
 _FULL_BYTES = 2**16
@@ -31,7 +31,7 @@ def check_rclpy() -> None:
     """Import rclpy, and with it its middleware.
 
     Raises:
-        NotInstalledError: One of them is missing or was made for another Python; the line says
+        NotInstalledError: One of them is missing or was made for another Python; the message says
             what to install.
         ConfigurationError: Shared memory is full, so that importing rclpy would end the process.
     """
@@ -56,7 +56,7 @@ def _import_elsewhere(named: str, free: int) -> None:
 
 
 def memory_is_full(free: int) -> str:
-    """Return what is wrong where so few bytes of shared memory are left."""
+    """Return the fault if so few bytes of shared memory are left."""
     return (
         f"{SHARED_MEMORY} is full ({free} bytes left), and rclpy writes there when it is imported;"
         " free some: fastdds shm clean"
@@ -64,12 +64,12 @@ def memory_is_full(free: int) -> str:
 
 
 def no_such_middleware(name: str) -> str:
-    """What is wrong where that middleware is named."""
+    """Return the message if the named middleware is missing."""
     return f"RMW_IMPLEMENTATION is {name}, which this rclpy does not have"
 
 
 def explain(error: Exception) -> str:
-    """Why rclpy cannot be imported, in one line."""
+    """Return why rclpy cannot be imported, in one line."""
     if isinstance(error, ModuleNotFoundError) and error.name == "rclpy":
         return "rclpy is not installed: pip install 'ros-jazzy-rclpy[fastrtps]'"
     reason = (str(error).splitlines() or [type(error).__name__])[0]

@@ -1,8 +1,8 @@
-"""What may go into one field of a ROS message, and what comes out of it.
+"""Checks and conversions of the value of one field of a ROS message.
 
-Nothing but the right kind of value gets in. rclpy itself checks that only where
-`ROS_PYTHON_CHECK_FIELDS` is 1; elsewhere it sends an int in a float field, a bool or None as
-garbage, and a text only up to its first NUL, without a word.
+Only the right kind of value is accepted. rclpy itself checks that only if
+`ROS_PYTHON_CHECK_FIELDS` is 1. Otherwise it silently sends an int in a float field, a bool or None
+as garbage, and a text only up to its first NUL.
 """
 
 import re
@@ -28,20 +28,20 @@ __all__ = [
 ]
 
 Check: TypeAlias = Callable[[Any, str], Any]
-"""Takes a value and the name of its field; gives what goes into the ROS message."""
+"""Function that takes a value and the name of its field; returns the value for the ROS message."""
 Read: TypeAlias = Callable[[Any], Any]
-"""Gives what rosbase has for the value of a ROS field."""
+"""Function that returns rosbase's value for the value of a ROS field."""
 
 _FLOAT32_MAX = 3.4028234663852886e38
 _all_floats = frozenset((float,)).issuperset
 
 
 def as_float(value: Any, where: str) -> float:
-    """The number as a float, NaN included.
+    """Return the number as a float, NaN included.
 
     Raises:
-        TypeError: it is none; a bool and a text are none.
-        ValueError: it is too large.
+        TypeError: It is not a number; a bool and a text are not.
+        ValueError: It is too large.
     """
     if type(value) is float:
         return value
@@ -55,17 +55,17 @@ def as_float(value: Any, where: str) -> float:
 
 
 def as_floats(value: Any, where: str) -> Sequence[float]:
-    """The numbers of a list, a tuple or an array as floats; as in `as_float`."""
+    """Return the numbers of a list, a tuple or an array as floats; see `as_float`."""
     values = _as_list(value, where)
     return values if _all_floats(map(type, values)) else [as_float(one, where) for one in values]
 
 
 def as_int(value: Any, where: str, low: int, high: int) -> int:
-    """The whole number.
+    """Return the whole number.
 
     Raises:
-        TypeError: it is none.
-        ValueError: it is not within the two.
+        TypeError: It is not a whole number.
+        ValueError: It is out of the range.
     """
     if not isinstance(value, Integral) or isinstance(value, bool):
         raise _wrong(value, where, "whole numbers")
@@ -76,10 +76,10 @@ def as_int(value: Any, where: str, low: int, high: int) -> int:
 
 
 def as_message(value: Any, where: str, kind: type) -> Any:
-    """The message.
+    """Return the message.
 
     Raises:
-        TypeError: it is of another type.
+        TypeError: It is of another type.
     """
     if not isinstance(value, kind):
         raise _wrong(value, where, f"messages of type {kind.__name__}")
@@ -87,11 +87,11 @@ def as_message(value: Any, where: str, kind: type) -> Any:
 
 
 def as_text(value: Any, where: str) -> str:
-    """The text.
+    """Return the text.
 
     Raises:
-        TypeError: it is none.
-        ValueError: it has a character that ROS cannot send: NUL, or half a surrogate pair.
+        TypeError: It is not a text.
+        ValueError: It has a character that ROS cannot send: NUL, or half a surrogate pair.
     """
     if not isinstance(value, str):
         raise _wrong(value, where, "text")
@@ -148,7 +148,7 @@ def _int_check(bits: int, *, signed: bool) -> Check:
 
 
 def list_check(element: str, each: Check, size: int | None) -> Check:
-    """What checks a sequence, or an array of `size`, of elements of a ROS type."""
+    """Return the check of a sequence, or of an array of `size`, of elements of a ROS type."""
     typecode = TYPECODES.get(element)
     whole = as_floats if typecode == "d" else None
 
@@ -170,7 +170,7 @@ def _wrong(value: object, where: str, wanted: str) -> TypeError:
 
 
 def name_of(kind: type) -> str:
-    """What an error calls a class: rosbase and ROS have many of the same name."""
+    """Return the name of a class in errors: rosbase and ROS have many of the same name."""
     if kind is type(None):
         return "None"
     if kind.__module__ == "builtins":
@@ -179,7 +179,7 @@ def name_of(kind: type) -> str:
 
 
 def numbers_back(values: Any) -> tuple[Any, ...]:
-    """The numbers of an array, as Python's own."""
+    """Return the numbers of an array as Python's own."""
     return tuple(values.tolist())
 
 
@@ -206,10 +206,10 @@ _BASIC: dict[str, tuple[Check, Read]] = {
 
 
 def basic_kind(ros_kind: str, where: str) -> tuple[Check, Read]:
-    """How a field of that ROS type is checked and read.
+    """Return the check and the reader of a field of that ROS type.
 
     Raises:
-        TypeError: nothing is known of it.
+        TypeError: The type is unknown.
     """
     if ros_kind not in _BASIC:
         raise TypeError(f"{where} is of type {ros_kind} in ROS: it takes a Converter by hand")

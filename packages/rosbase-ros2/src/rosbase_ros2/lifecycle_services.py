@@ -1,11 +1,11 @@
-"""The lifecycle of a node as the ROS tools see it: five services and one topic.
+"""The interface of a node's lifecycle for the ROS tools: five services and one topic.
 
-Names, types and order are those of rcl_lifecycle's `com_interface.c`. rclpy's own lifecycle
-node is not used: it has a machine of its own, whose callbacks run on the executor's thread.
+Names, types and order are those of rcl_lifecycle's `com_interface.c`. rclpy's own lifecycle node
+is not used: it has its own machine, whose callbacks run on the executor's thread.
 
-Two threads meet here. The executor of rclpy answers on its own; transitions run on the main
-loop. So `change_state` hands the request over and awaits the answer, and meanwhile the
-executor is free to say where the transition is.
+Two threads meet here. The executor of rclpy answers on its own; transitions run on the main loop.
+So `change_state` hands the request over and awaits the answer. Meanwhile the executor is free to
+report the state of the transition.
 """
 
 import threading
@@ -36,10 +36,11 @@ _EVENT_DEPTH = 10
 
 
 class LifecycleServices:
-    """Lets `ros2 lifecycle`, launch files and nav2 see a node's lifecycle and change it.
+    """Lets `ros2 lifecycle`, launch files and nav2 see and change a node's lifecycle.
 
-    What it creates is destroyed with the rclpy node. The executor must have stopped by then. It
-    may not be rclpy's EventsExecutor, which cannot await the callback of a service (7.1.6).
+    Its services and topic are destroyed with the rclpy node. The executor must have stopped by
+    then. It may not be rclpy's EventsExecutor, which cannot await the callback of a service
+    (7.1.6).
     """
 
     def __init__(
@@ -49,14 +50,14 @@ class LifecycleServices:
         call_soon: Callable[[Callable[[], object]], object],
         logger: RosbaseLogger,
     ) -> None:
-        """Creates the services and the topic of transitions.
+        """Create the services and the topic of transitions.
 
         Args:
-            node: The node of rclpy under whose name they are found.
-            managed: Whose lifecycle it is.
-            call_soon: Has the main loop call a function. It is called on the thread of the
+            node: The rclpy node under whose name they appear.
+            managed: The node with the lifecycle.
+            call_soon: Queues a function for the main loop. It is called on the thread of the
                 executor that spins `node`.
-            logger: Where requests that come to nothing are reported.
+            logger: Logs requests that fail.
         """
         # rclpy says that it is typed, but most of its functions are not.
         self._node: Any = node
@@ -76,11 +77,11 @@ class LifecycleServices:
         managed.add_transition_listener(self._publish)
 
     def close(self) -> None:
-        """Refuses the requests that have not begun, and all that come later. From any thread.
+        """Refuse pending and later requests. Call it from any thread.
 
-        Call it when the main loop has ended, or nobody would ever answer them, and before the
-        executor stops, which sends the answers. Events are published until the node is
-        destroyed.
+        Call it when the main loop has ended, because nobody would answer them. Call it
+        before the executor stops, which sends the answers. Events are published until the
+        node is destroyed.
         """
         with self._lock:
             self._closed = True
@@ -139,7 +140,7 @@ class LifecycleServices:
     # The way of a request over to the main loop and back.
 
     def _hand_over(self, wanted: Any) -> Any:
-        """Has the main loop run a transition; gives the future of its success."""
+        """Queue a transition for the main loop; return the future of its success."""
         answer: Any = Future(executor=self._node.executor)
         # A future wakes the executor only to run such callbacks; what awaits it does not count.
         answer.add_done_callback(_nothing)
@@ -162,7 +163,7 @@ class LifecycleServices:
         return answer
 
     def _run(self, answer: Any, transition_id: int, label: str) -> None:
-        """Runs a transition, on the main loop, unless the request has been refused meanwhile."""
+        """Run a transition, on the main loop, unless the request has been refused meanwhile."""
         with self._lock:
             if answer not in self._waiting:
                 return
@@ -180,7 +181,7 @@ class LifecycleServices:
             _settle(answer, success=success)
 
     def _publish(self, event: TransitionEvent) -> None:
-        """Publish one step. On the thread that takes it."""
+        """Publish one step. Called on the thread that takes it."""
         message = msg.TransitionEvent(
             # Without a sign, so a date before 1970 cannot be sent.
             timestamp=max(0, self._clock.now_ns()),
@@ -206,7 +207,7 @@ def _settle(answer: Any, *, success: bool) -> None:
 
 
 def _nothing(answer: Any) -> None:
-    """What a future calls so that it wakes its executor."""
+    """Do nothing: called by a future to wake its executor."""
 
 
 def _state(state: State) -> Any:

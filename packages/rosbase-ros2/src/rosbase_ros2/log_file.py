@@ -13,14 +13,14 @@ __all__ = ["LogFile"]
 
 
 class LogFile:
-    """Appends records to the file, as the console has them.
+    """Appends records to the file, in the format of the console.
 
-    rcl has no call for its file alone: whatever it is given goes to its console too, where the
-    records have gone already. It appends, so both may write.
+    rcl cannot write only to its file: its records go to its console too, where these records
+    already are. rcl appends to the file, so both may write.
     """
 
     def __init__(self, path: Path) -> None:
-        """Take the path of a file that exists."""
+        """Take the path of an existing file."""
         self.path = path
         self._formatter = RosFormatter()
 
@@ -34,7 +34,7 @@ class LogFile:
         return cls(found) if found else None
 
     def write(self, record: logging.LogRecord) -> None:
-        """Append a record. It raises nothing: a full disk must not stop whoever logs."""
+        """Append a record. It never raises: a full disk must not stop the program."""
         try:
             # Opened each time: records are few, and the file lives as long as the process.
             file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC)
@@ -48,7 +48,7 @@ class LogFile:
 
 
 def _newest(folder: Path, pid: int) -> Path | None:
-    """The file named `<program>_<pid>_<milliseconds>.log`; a pid may have been used before."""
+    """Return the newest `<program>_<pid>_<milliseconds>.log`, because pids are used again."""
     name = re.compile(rf".*_{pid}_(\d+)\.log")
     matches = [
         (int(found[1]), path) for path in folder.iterdir() if (found := name.fullmatch(path.name))

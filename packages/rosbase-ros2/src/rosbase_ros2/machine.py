@@ -1,7 +1,9 @@
-"""What this machine must offer before ROS starts: a domain, shared memory and a date.
+"""Requirements of ROS on this machine, checked before it starts.
 
-Where one of them is missing, rcl or DDS end the process, hang, or lose messages without a word.
-So they are looked at before, here and by `rosbase doctor`.
+They are a domain, shared memory and a date.
+
+If one of them is missing, rcl or DDS end the process, hang, or lose messages silently. So they are
+checked before, here and by `rosbase doctor`.
 """
 
 import os
@@ -25,10 +27,10 @@ __all__ = [
 ]
 
 DOMAINS = range(233)
-"""Where the ports of a domain are numbers of ports (DDS-RTPS 2.3, 9.6.1.1)."""
+"""Range of domains whose ports are valid port numbers (DDS-RTPS 2.3, 9.6.1.1)."""
 
 SHARED_MEMORY = Path("/dev/shm")
-"""Where Linux has it."""
+"""Folder of shared memory on Linux."""
 
 _TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _WITHOUT_MEMORY = ("UDPV4", "UDPV6")
@@ -60,7 +62,7 @@ def read_domain(text: str) -> int | None:
 
 
 def domain_fault(environment: Mapping[str, str]) -> str:
-    """Return why there is no such domain, in one line; empty if there is."""
+    """Return why the domain is invalid, in one line; empty if it is valid."""
     text = environment.get("ROS_DOMAIN_ID", "")
     if not text or read_domain(text) is not None:
         return ""
@@ -68,7 +70,7 @@ def domain_fault(environment: Mapping[str, str]) -> str:
 
 
 def clashing_ports(domain: int) -> bool:
-    """Whether the system may have given the ports of a domain to any other program."""
+    """Return whether the system may have given the ports of a domain to any other program."""
     try:
         first, last = map(int, _EPHEMERAL_PORTS.read_text().split())
     except (OSError, ValueError):
@@ -79,7 +81,7 @@ def clashing_ports(domain: int) -> bool:
 
 
 def free_bytes(folder: Path = SHARED_MEMORY) -> int:
-    """Return how many bytes shared memory has left; 0 if there is none to be had."""
+    """Return how many bytes of shared memory are left; 0 if there is none."""
     if sys.platform != "linux":
         # Elsewhere it is no folder.
         return sys.maxsize
@@ -92,14 +94,15 @@ def free_bytes(folder: Path = SHARED_MEMORY) -> int:
 
 
 def memory_fault(environment: Mapping[str, str], middleware: str, free: int) -> str:
-    """Return why Fast DDS would lose messages for want of shared memory; empty if it would not.
+    """Return why Fast DDS would lose messages for lack of shared memory; empty if it would not.
 
-    It has room for what a node sends then, but not for what it receives, and tells nobody.
+    Then it has room for the messages that a node sends, but not for those that it receives,
+    and reports nothing.
 
     Args:
         environment: The environment of this process.
         middleware: The name of the RMW implementation.
-        free: How many bytes are left.
+        free: Number of bytes left.
     """
     if free < _SEGMENT_BYTES or not _is_bound_to_memory(environment):
         return ""
@@ -108,9 +111,9 @@ def memory_fault(environment: Mapping[str, str], middleware: str, free: int) -> 
 
 
 def spare_shared_memory(environment: MutableMapping[str, str], middleware: str, free: int) -> str:
-    """Have Fast DDS do without shared memory where that is short; return that in one line.
+    """Turn off Fast DDS's shared memory where it is short; return that in one line.
 
-    To be called before the first participant of a process; the arguments are those of
+    Call it before the first participant of a process is created. The arguments are those of
     `memory_fault`.
     """
     short = _short_memory(environment, middleware, free)
@@ -134,7 +137,7 @@ def _short_memory(environment: Mapping[str, str], middleware: str, free: int) ->
 
 
 def _is_bound_to_memory(environment: Mapping[str, str]) -> bool:
-    """Whether it is not for us to choose the transports."""
+    """Return whether the user has already chosen the transports."""
     return _is_local(environment) or bool(_chosen(environment))
 
 
@@ -143,7 +146,7 @@ def _chosen(environment: Mapping[str, str]) -> str:
 
 
 def _is_local(environment: Mapping[str, str]) -> bool:
-    """Whether this machine's nodes alone are to be seen: rmw_fastrtps sets up both transports."""
+    """Return whether only local nodes are visible: rmw_fastrtps sets up both transports."""
     limit = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper()
     return limit == "LOCALHOST" or environment.get("ROS_LOCALHOST_ONLY") == "1"
 
@@ -151,8 +154,8 @@ def _is_local(environment: Mapping[str, str]) -> bool:
 def date_refusal(now_ns: int, middleware: str) -> str:
     """Return why a middleware sends nothing at a date of this machine; empty if it does.
 
-    Fast DDS keeps the seconds in 32 bits and refuses negative ones (`write_w_timestamp`), so it
-    sends again from 2106 on. Before 1970 its threads turn in circles.
+    Fast DDS keeps the seconds in 32 bits and refuses negative ones (`write_w_timestamp`), so
+    it sends again from 2106 on. Before 1970 its threads loop forever.
     """
     seconds = (now_ns // 1_000_000_000 + 2**31) % 2**32 - 2**31
     if not middleware.startswith("rmw_fastrtps") or (seconds >= 0 and now_ns >= 0):

@@ -47,20 +47,20 @@ _INT64 = 2**63
 
 @frozen
 class Overrides:
-    """The values that win over the defaults of one node's parameters."""
+    """Values that override the defaults of one node's parameters."""
 
     of_program: Mapping[str, ParameterValue] = field(factory=dict)
-    """What the backend was opened with; it wins over the command line."""
+    """Values from the options of the backend; they override the command line."""
     guessed: Mapping[str, Any] = field(factory=dict)
-    """What rcl makes of the command line and its files."""
+    """Values that rcl has guessed from the command line and its files."""
     written: Mapping[str, Sequence[Written | None]] = field(factory=dict)
-    """What stands there, the last of which counts; None where the text is lost."""
+    """Values as written there, the last of which counts; None where the text is lost."""
 
     def value_of(self, spec: ParameterSpec) -> ParameterValue:
         """Return the value that a parameter is declared with.
 
         Raises:
-            ParameterError: It is given, and what is given is not a value of it.
+            ParameterError: Its given value is invalid.
         """
         if spec.name in self.of_program:
             return check_value(spec, self.of_program[spec.name])
@@ -84,13 +84,13 @@ class RosParameters:
     def __init__(
         self, node: Any, overrides: Overrides, questions: Questions, refusals: Refusals
     ) -> None:
-        """Take over the checking of what is set.
+        """Take over checking parameters when they are set.
 
         Args:
             node: The rclpy node.
-            overrides: What wins over the defaults.
-            questions: Has the main loop answer.
-            refusals: Judges what DDS does not take.
+            overrides: Values that override the defaults.
+            questions: Asks the main loop.
+            refusals: Judges messages that DDS refuses.
         """
         self._node = node
         self._overrides = overrides
@@ -103,10 +103,10 @@ class RosParameters:
         node.add_on_set_parameters_callback(self._check)
 
     def declare(self, spec: ParameterSpec) -> Parameter:
-        """Declares it on the node, with the value that it was given from outside, if it was.
+        """Declare the parameter on the node, with its value from outside if there is one.
 
         Raises:
-            ParameterError: It is declared already, or what it was given is not a value of it.
+            ParameterError: It is declared already, or its given value is invalid.
         """
         if self._node.has_parameter(spec.name):
             raise ParameterError(f"parameter {spec.name} is declared twice")
@@ -125,7 +125,7 @@ class RosParameters:
         return Parameter(spec.name, value)
 
     def get(self, name: str) -> Parameter:
-        """The parameter as it is now.
+        """Return the parameter with its current value.
 
         Raises:
             ParameterError: It has not been declared.
@@ -137,7 +137,7 @@ class RosParameters:
         return Parameter(name, value if spec is None else check_value(spec, _plain(value)))
 
     def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all of them, or none if one is refused. On the main loop."""
+        """Set all parameters, or none if one is refused. Call it on the main loop."""
         try:
             checked = self._rules.check(parameters)
         except ParameterError as error:
@@ -160,7 +160,7 @@ class RosParameters:
         return spec.kind
 
     def _convert(self, parameters: list[Any]) -> list[Any]:
-        """Give each the declared type: tools guess that of `2` and `[]`."""
+        """Convert each value to the declared type: tools guess the type of `2` and `[]`."""
         return [self._as_declared(parameter) for parameter in parameters]
 
     def _as_declared(self, parameter: Any) -> Any:
@@ -175,7 +175,7 @@ class RosParameters:
         return RosParameter(spec.name, _TYPES[spec.kind], value)
 
     def _change(self, call: Callable[..., Any], *arguments: Any) -> None:
-        """Have rclpy change parameters, which it also publishes as an event."""
+        """Change parameters with rclpy, which also publishes the change as an event."""
         try:
             call(*arguments)
         except RCLError as error:
@@ -195,7 +195,7 @@ class RosParameters:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays of numbers come as `array.array`."""
+    """Convert arrays of numbers, which come as `array.array`."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 

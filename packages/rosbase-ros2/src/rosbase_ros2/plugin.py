@@ -1,4 +1,4 @@
-"""Registers the backend `ros2`, and its check. Imports rclpy only when it is chosen."""
+"""Register the backend `ros2`, and its check. Imports rclpy only when it is chosen."""
 
 from collections.abc import Iterable
 
@@ -32,11 +32,11 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 
 @hookimpl
 def rosbase_backends() -> Iterable[BackendPlugin]:
-    """The backend on rclpy."""
+    """Return the backend on rclpy."""
     yield BackendPlugin("ros2", "a ROS 2 node, by rclpy", _create, arguments_after="--ros-args")
 
 
 @hookimpl
 def rosbase_checks() -> Iterable[CheckPlugin]:
-    """ROS on this machine."""
+    """Return the check of ROS on this machine."""
     yield CheckPlugin("ros2", "rclpy, its middleware and the domain", _check)

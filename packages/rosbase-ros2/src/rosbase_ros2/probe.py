@@ -1,6 +1,6 @@
-"""Run in a child process: starts a node, and says what came of it as one line of JSON.
+"""Start a node in a child process, and print the result as one line of JSON.
 
-rcl and its middleware may end the process, over a variable of the environment for example.
+rcl and its middleware may end the process, for example because of an environment variable.
 """
 
 import json
@@ -11,7 +11,7 @@ __all__ = ["main"]
 
 
 def main() -> None:
-    """Says which middleware carries the node, or what is wrong."""
+    """Print which middleware carries the node, or what is wrong."""
     try:
         import rclpy  # noqa: F401, PLC0415 - whether it can be is the question
     except Exception as error:

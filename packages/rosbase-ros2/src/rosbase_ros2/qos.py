@@ -1,4 +1,4 @@
-"""What a topic's `qos_profile` means: a depth, a profile of rosbase, or one of rclpy."""
+"""Conversion of a topic's `qos_profile`: a depth, a profile of rosbase, or one of rclpy."""
 
 import sys
 from typing import Any
@@ -11,7 +11,7 @@ __all__ = ["queue_depth", "to_profile"]
 
 
 def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
-    """The profile for rclpy; one of its own is taken as it is.
+    """Return the profile for rclpy; one of its own is returned unchanged.
 
     Raises:
         BackendError: It is neither a depth nor a profile.
@@ -29,5 +29,5 @@ def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
 
 
 def queue_depth(profile: QoSProfile) -> int:
-    """How many messages may wait for the callback; of a history that keeps all, any number."""
+    """Return how many messages may wait for the callback; unlimited if the history keeps all."""
     return sys.maxsize if profile.history is HistoryPolicy.KEEP_ALL else max(1, profile.depth)

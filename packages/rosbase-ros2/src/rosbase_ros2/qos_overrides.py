@@ -1,8 +1,9 @@
-"""Quality of service that users set from outside, as rclpy's `QoSOverridingOptions` take it.
+"""Quality of service that users set from outside, for rclpy's `QoSOverridingOptions`.
 
 The parameter `qos_overrides./imu/data.publisher.reliability` overrides that policy of every
-publisher of the topic, and `.subscription.` that of every subscription. What has no effect is
-named: at once if it cannot have any, else when a name beside it is used, or at the end.
+publisher of the topic. A name with `.subscription.` overrides that of every subscription.
+Overrides without effect are named: at once if they cannot have any, else when a similar name is
+used, or at the end.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,7 +18,7 @@ from rosbase import ParameterError, did_you_mean
 __all__ = ["PREFIX", "QoSOverrides"]
 
 PREFIX = "qos_overrides."
-"""What the names of such parameters begin with."""
+"""Prefix of such parameters."""
 
 _WORDS = {
     "durability": qos.DurabilityPolicy,
@@ -29,17 +30,17 @@ _ENDS = ("publisher", "subscription")
 
 
 class QoSOverrides:
-    """The overrides that one node was given."""
+    """Overrides that one node was given."""
 
     def __init__(self, given: Mapping[str, Any], warn: Callable[[str], object]) -> None:
         """Read the overrides.
 
         Args:
             given: The parameters that the node was given from outside.
-            warn: Called with a line about one that has no effect.
+            warn: Called with a line about an override without effect.
 
         Raises:
-            ParameterError: A value is none of its policy.
+            ParameterError: A value is invalid for its policy.
         """
         self._warn = warn
         self._kinds: dict[tuple[str, str], dict[str, QoSPolicyKind]] = {}
@@ -51,7 +52,7 @@ class QoSOverrides:
 
     @property
     def is_unused(self) -> bool:
-        """Whether there is an override whose topic has not been created, and not been named."""
+        """Return whether an override's topic has not been created, and it has not been named."""
         return bool(self._unused())
 
     def options(self, topic: str, end: str) -> QoSOverridingOptions | None:
@@ -66,7 +67,7 @@ class QoSOverrides:
         return QoSOverridingOptions(list(kinds.values())) if kinds else None
 
     def name_near_misses(self) -> None:
-        """Warn of overrides whose topic has not been created, while one of nearly its name has."""
+        """Warn of overrides whose topic has not been created, if one with a similar name has."""
         for topic, end in self._unused():
             free = [name for name, kind in self._created - self._kinds.keys() if kind == end]
             if hint := did_you_mean(topic, free):

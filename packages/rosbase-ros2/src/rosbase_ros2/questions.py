@@ -1,4 +1,4 @@
-"""Questions that rclpy's thread has for the program, whose callbacks run on the main loop alone."""
+"""Questions of rclpy's thread to the program, whose callbacks run only on the main loop."""
 
 import threading
 from collections.abc import Callable
@@ -13,7 +13,7 @@ _PATIENCE_S = 2.0
 
 
 class Questions:
-    """Has the main loop answer, and waits for it."""
+    """Asks the main loop, and waits for its answer."""
 
     def __init__(
         self, call_soon: Callable[[Callable[[], object]], object], is_foreign: Callable[[], bool]
@@ -22,7 +22,8 @@ class Questions:
 
         Args:
             call_soon: Queues a call for the main loop.
-            is_foreign: Whether the caller is on rclpy's thread; any other answers by itself.
+            is_foreign: Whether the caller is on rclpy's thread; any other thread answers by
+                itself.
         """
         self._call_soon = call_soon
         self._is_foreign = is_foreign
@@ -32,7 +33,7 @@ class Questions:
 
         Args:
             question: Called on the main loop, unless it comes too late.
-            without: Makes the answer of a main loop that does not come to it, given the reason.
+            without: Makes the answer from a reason, if the main loop does not answer.
         """
         if not self._is_foreign():
             return question()

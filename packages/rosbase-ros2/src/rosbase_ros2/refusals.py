@@ -1,4 +1,4 @@
-"""Messages that the middleware does not take, for a reason that no program can mend."""
+"""Messages that the middleware refuses, for a reason that no program can fix."""
 
 from typing import Any
 
@@ -9,16 +9,16 @@ from rosbase import RosbaseLogger, SystemClock, date_fault
 __all__ = ["RCLError", "Refusals"]
 
 RCLError = rclpy_implementation.RCLError
-"""What rclpy raises where rcl or the middleware refuse."""
+"""Exception of rclpy for refusals of rcl or the middleware."""
 
 _LOG_S = 10.0
 
 
 class Refusals:
-    """Tells them from faults of the program, and logs them at a limited rate."""
+    """Separates refusals from faults of the program, and logs them at a limited rate."""
 
     def __init__(self, context: Any, logger: RosbaseLogger) -> None:
-        """Takes the rclpy context of the publishers, and who logs."""
+        """Take the rclpy context of the publishers, and the logger."""
         self._context = context
         self._logger = logger
         # The machine's, which DDS looks at, and not that of a simulation.
@@ -33,7 +33,7 @@ class Refusals:
 
         Args:
             topic: The name of the topic.
-            error: What rclpy raised when the message was to be published.
+            error: Exception of rclpy when it published the message.
 
         Raises:
             RCLError: There is another reason; it is raised again.

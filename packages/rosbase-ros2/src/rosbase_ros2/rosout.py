@@ -1,7 +1,7 @@
 """Log records on `/rosout` and in the log file of ROS, as of any ROS node.
 
-rclpy's own logger is not used for it: that writes to the console as well, where rosbase's
-records have gone already, and costs many times as much.
+rclpy's own logger is not used for it. That writes to the console as well, where rosbase's records
+already are, and costs many times as much.
 """
 
 import logging
@@ -26,7 +26,7 @@ _NS_PER_S = 1_000_000_000
 
 
 class RosoutHandler(logging.Handler):
-    """Publish records under the name of a node, until closed, and append them to the log file.
+    """Publishes records under the name of a node, and appends them to the log file.
 
     Its level is that of the node's logger when it is made, which `--log-level` sets. With
     `--disable-rosout-logs` it publishes nothing.
@@ -39,12 +39,12 @@ class RosoutHandler(logging.Handler):
         self.publisher = (
             node.create_publisher(Log, "/rosout", _PROFILE) if _wants_logs(node) else None
         )
-        """The rclpy publisher, while there is one; it is destroyed with the node."""
+        """Publisher of rclpy, while there is one; it is destroyed with the node."""
         self._node_name = ros_logger.name
         self._file = file
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish and append one record. From any thread, one at a time."""
+        """Publish and append one record. Call it from any thread, one at a time."""
         if self._file is not None:
             self._file.write(record)
         publisher = self.publisher
@@ -57,18 +57,18 @@ class RosoutHandler(logging.Handler):
             pass
 
     def _name_of(self, record: logging.LogRecord) -> str:
-        """The node's name, or that of a logger below it."""
+        """Return the node's name, or the name of a logger below it."""
         is_below = record.name.startswith(f"{self._node_name}.")
         return record.name if is_below else self._node_name
 
     def close(self) -> None:
-        """Publish nothing from here on. What is logged later is still in the file."""
+        """Stop publishing. Later records still go to the file."""
         self.publisher = None
         super().close()
 
 
 def _wants_logs(node: Any) -> bool:
-    """Whether rcl itself publishes what this node logs; rclpy has no better way to ask."""
+    """Return whether rcl itself publishes this node's logs; rclpy has no better way to ask."""
     found = node.get_publisher_names_and_types_by_node(node.get_name(), node.get_namespace())
     return any(_TYPE in types for _, types in found)
 

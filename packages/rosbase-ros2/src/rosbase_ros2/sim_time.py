@@ -1,4 +1,4 @@
-"""Says that a simulated clock is asked for, and nobody publishes one."""
+"""Warn if a simulated clock is requested but nothing publishes it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,12 +21,12 @@ class SimTimeWatch:
     def __init__(
         self, node: Any, clock: RosClock, executor: Executor, warn: Callable[[str], object]
     ) -> None:
-        """Begin to watch.
+        """Start watching.
 
         Args:
             node: The rclpy node.
             clock: The clock of that node.
-            executor: Times the look, on the clock of the machine.
+            executor: Times the check, on the clock of the machine.
             warn: Called with the line, on the main loop.
         """
         self._node = node
@@ -39,7 +39,7 @@ class SimTimeWatch:
             self._begin()
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         self._jumps.unregister()
 
     def _on_change(self, jump: Any) -> None:

@@ -1,8 +1,8 @@
-"""rclpy's executor on a thread of its own: it takes in, and hands over to the main loop.
+"""rclpy's executor on its own thread: it receives messages, and hands them to the main loop.
 
-So the main loop keeps its rate and its price whatever rclpy does, and services are answered
-while the main thread is busy. rclpy's EventsExecutor would cost a third for each message, but it
-cannot run the coroutines that such answers need.
+So the main loop keeps its rate and its cost whatever rclpy does, and services are answered while
+the main thread is busy. rclpy's EventsExecutor would cost a third for each message, but it cannot
+run the coroutines that such answers need.
 """
 
 import threading
@@ -33,13 +33,13 @@ class Spinner:
         report: Callable[[BaseException], object],
         on_context_end: Callable[[], object],
     ) -> None:
-        """Starts to spin.
+        """Start to spin.
 
         Args:
             context: The node's rclpy context.
             node: The rclpy node.
-            report: Called with what a callback of somebody else's raised; spinning goes on.
-            on_context_end: Called on this thread when the context ends before this does.
+            report: Called with the exception of a foreign callback; spinning goes on.
+            on_context_end: Called on this thread when the context ends first.
         """
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(node)
@@ -61,7 +61,7 @@ class Spinner:
         return threading.current_thread() is self._thread
 
     def call(self, function: Callable[[], object], patience_s: float = _CALL_S) -> None:
-        """Runs a function between two callbacks, and waits a moment for it."""
+        """Run a function between two callbacks, and wait a moment for it."""
         if self.is_current_thread or not self._thread.is_alive():
             function()
             return
@@ -85,7 +85,7 @@ class Spinner:
         self.call(begin)
 
     def close(self) -> bool:
-        """Ends the thread; tells whether it has ended in time."""
+        """End the thread; return whether it has ended in time."""
         # What is ready goes first, such as the answer to who asked for the last transition.
         self.call(_nothing, _END_S)
         self._ending = True
@@ -119,4 +119,4 @@ class Spinner:
 
 
 def _nothing() -> None:
-    """What is run to wake the executor."""
+    """Do nothing: run to wake the executor."""

@@ -1,4 +1,4 @@
-"""Starts an rclpy node, or says in one line why ROS does not."""
+"""Start an rclpy node, or explain in one line why ROS does not start."""
 
 import os
 from collections.abc import Iterable
@@ -23,7 +23,7 @@ __all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node"]
 
 
 def prepare_machine() -> str:
-    """Look at what ROS needs of this machine; return a warning in one line, or nothing.
+    """Check the requirements of ROS on this machine; return a warning in one line, or nothing.
 
     Raises:
         BackendError: ROS cannot start, and might not say so itself.
@@ -45,8 +45,8 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
 
     Args:
         context: The rclpy context.
-        options: What the backend is opened with.
-        arguments: Those for ROS on the command line.
+        options: The options of the backend.
+        arguments: The arguments for ROS on the command line.
 
     Raises:
         BackendError: ROS refuses the arguments or the name.
@@ -74,10 +74,10 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
 
 
 def ros_arguments(command_line: Iterable[str]) -> list[str]:
-    """Return what stands behind `--ros-args`, up to `--` or the end, with these two.
+    """Return the arguments after `--ros-args`, up to `--` or the end, with these two words.
 
-    Nothing else is for ROS: rcl takes a `name:=value` of the program itself for a remapping in
-    the style of ROS 1, heeds it, and warns of it.
+    Nothing else is for ROS. rcl would take a `name:=value` of the program itself for a
+    remapping in the style of ROS 1, apply it, and warn of it.
     """
     found: list[str] = []
     within = False

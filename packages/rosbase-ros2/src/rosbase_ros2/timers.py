@@ -1,8 +1,8 @@
 """Timers that follow `use_sim_time`: the machine's clock, or `/clock` while it is true.
 
-On the machine's clock a timer is the core executor's, which calls back without a detour. On
-`/clock` there are only deadlines, looked at whenever the clock moves. A timer of rclpy's would
-fire at once when the clock is found, and its calls would pile up while the main loop is busy.
+On the machine's clock, the core's executor runs the timers directly. On `/clock` there are only
+deadlines, checked whenever the clock moves. A timer of rclpy would fire at once when the clock is
+found, and its calls would pile up while the main loop is busy.
 """
 
 import threading
@@ -26,37 +26,37 @@ _ANY_MOVE = JumpThreshold(
 
 
 class RosTimer:
-    """One timer. What is done to it is done by `Timers`, under its lock."""
+    """One timer. `Timers` changes it, under its lock."""
 
     __slots__ = ("_timers", "deadline_ns", "is_queued", "is_running", "life", "machine")
 
     def __init__(self, timers: "Timers", machine: ExecutorTimer) -> None:
         self._timers = timers
         self.machine = machine
-        """Runs while the machine's time counts."""
+        """Timer on the machine's clock; runs while that clock counts."""
         self.is_running = False
-        """Whether it is to call back, by whichever clock."""
+        """Whether it is running, by either clock."""
         self.deadline_ns: int | None = None
-        """When it is due on `/clock`; None until that has said what time it is."""
+        """Deadline on `/clock`; None until the first time arrives."""
         self.is_queued = False
         """Whether a call waits for the main loop. There is never a second one."""
         self.life = 0
-        """Calls that were queued in a life before do not count."""
+        """Number of the current life; calls queued in an earlier one do not count."""
 
     def cancel(self) -> None:
-        """Stops it, until `reset`."""
+        """Stop the timer, until `reset`."""
         self._timers.stop(self)
 
     def reset(self) -> None:
-        """Starts it again: the next call is one period from now."""
+        """Restart the timer: the next call is one period from now."""
         self._timers.start(self)
 
     def is_canceled(self) -> bool:
-        """Whether it is stopped."""
+        """Return whether the timer is stopped."""
         return not self.is_running
 
     def move_to(self, now_ns: int) -> bool:
-        """Takes in what time `/clock` says; tells whether the timer was due by then."""
+        """Take the time of `/clock`; return whether the timer was due by then."""
         period_ns = self.machine.period_ns
         if self.deadline_ns is None or self.deadline_ns - now_ns > period_ns:
             # The clock has just been found, or was set back.
@@ -71,11 +71,11 @@ class Timers:
     """The timers of one rclpy node."""
 
     def __init__(self, clock: RosClock, call_soon: Callable[[Callable[[], object]], None]) -> None:
-        """Begins to watch the clock.
+        """Start watching the clock.
 
         Args:
-            clock: The node's.
-            call_soon: Has the main loop call a function.
+            clock: The clock of the node.
+            call_soon: Queues a function for the main loop.
         """
         self._clock = clock
         self._call_soon = call_soon
@@ -88,7 +88,7 @@ class Timers:
         self._watch = clock.clock.create_jump_callback(_ANY_MOVE, post_callback=self._on_jump)
 
     def add(self, machine: ExecutorTimer) -> RosTimer:
-        """A timer that runs, with the period and the callback of that one of the executor."""
+        """Create a running timer, with the period and the callback of the executor's timer."""
         timer = RosTimer(self, machine)
         with self._lock:
             self._timers.append(timer)
@@ -96,25 +96,25 @@ class Timers:
         return timer
 
     def remove(self, timer: RosTimer) -> None:
-        """Stops a timer for good. Harmless when done."""
+        """Stop a timer for good. Do nothing if it is stopped."""
         with self._lock:
             if timer in self._timers:
                 self._timers.remove(timer)
                 self._stop(timer)
 
     def start(self, timer: RosTimer) -> None:
-        """Has a timer call back one period from now, unless it has been removed."""
+        """Start a timer: it calls back one period from now, unless it has been removed."""
         with self._lock:
             if timer in self._timers:
                 self._start(timer)
 
     def stop(self, timer: RosTimer) -> None:
-        """Has a timer not call back any more."""
+        """Stop the calls of a timer."""
         with self._lock:
             self._stop(timer)
 
     def close(self) -> None:
-        """Stops all timers for good, and watches the clock no more."""
+        """Stop all timers for good, and stop watching the clock."""
         self._watch.unregister()
         for timer in list(self._timers):
             self.remove(timer)

@@ -1,4 +1,4 @@
-"""Publishers and subscriptions that convert."""
+"""Publishers and subscriptions that convert messages."""
 
 from collections.abc import Callable
 from typing import Any
@@ -24,13 +24,13 @@ _ENCODERS: dict[type, Callable[[], Callable[[Any], bytes]]] = {
 
 
 class RosPublisher:
-    """Sends messages of one class to one topic. From any thread."""
+    """Sends messages of one class to one topic. Use it from any thread."""
 
     __slots__ = ("_msg_type", "_refusals", "_send", "_to_ros", "inner", "topic")
 
     def __init__(self, inner: Any, converter: Converter, refusals: Refusals) -> None:
         self.inner = inner
-        """The rclpy publisher."""
+        """Publisher of rclpy."""
         self.topic: str = inner.topic_name
         self._msg_type = converter.msg_type
         encoder = _ENCODERS.get(converter.msg_type)
@@ -39,7 +39,7 @@ class RosPublisher:
         self._send: Callable[[Any], object] | None = inner.publish
 
     def publish(self, message: Any) -> bool:
-        """Convert the message and send it; nothing once the publisher has ended.
+        """Convert the message and send it; send nothing once the publisher has ended.
 
         Returns:
             False if the middleware did not take it, at a date that it cannot send.
@@ -65,7 +65,10 @@ class RosPublisher:
         return True
 
     def imu_sender(self, template: Imu) -> ImuSender:
-        """What sends samples that are like the template; nothing once the publisher has ended."""
+        """Return a sender of samples like the template.
+
+        It sends nothing once the publisher has ended.
+        """
         pack = sample_packer(template)
 
         def send_sample(*sample: Any) -> bool:
@@ -83,12 +86,12 @@ class RosPublisher:
         return send_sample
 
     def close(self) -> None:
-        """Sends nothing from here on."""
+        """Stop sending."""
         self._send = None
 
 
 class RosSubscription(QueuedSubscription):
-    """The last messages of a topic, converted when their turn comes."""
+    """Last messages of a topic, converted when they are handled."""
 
     __slots__ = ("inner",)
 
@@ -102,10 +105,10 @@ class RosSubscription(QueuedSubscription):
         from_ros = converter.from_ros
         super().__init__("", lambda message: callback(from_ros(message)), depth, schedule)
         self.inner: Any = None
-        """The rclpy subscription."""
+        """Subscription of rclpy."""
 
     def attach(self, inner: Any) -> None:
-        """Say which rclpy subscription delivers here; its profile may have been overridden."""
+        """Set the rclpy subscription that delivers here; its profile may have been overridden."""
         self.inner = inner
         self.topic = inner.topic_name
         self.resize(queue_depth(inner.qos_profile))

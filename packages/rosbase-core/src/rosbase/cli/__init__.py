@@ -1,4 +1,4 @@
-"""The command `rosbase`: thin; what it does is done by the floors below."""
+"""The command `rosbase`: a thin layer over the packages below."""
 
 # As little as can be: until `main` has begun, Ctrl-C is Python's, which prints a traceback.
 import signal
@@ -8,10 +8,10 @@ __all__ = ["main"]
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs a command line; gives the exit status.
+    """Run a command line; return the exit status.
 
-    What a user can mend is one line on stderr and status 2, never a traceback. Ctrl-C
-    ends the process quietly, until a run takes care of it itself.
+    A usage error is one line on stderr and status 2, never a traceback. Ctrl-C ends the
+    process quietly, until a run handles it itself.
     """
     try:
         before = signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -1,4 +1,4 @@
-"""What users write on the command line and in parameter files, as checked values."""
+"""Parse and check values on the command line and in parameter files."""
 
 import argparse
 import math
@@ -33,15 +33,15 @@ __all__ = [
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose complaints are one line."""
+    """An argument parser with error messages of one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Says what is wrong, and ends with status 2."""
+        """Print the error, and exit with status 2."""
         self.exit(2, f"{self.prog}: {one_line(message, MOST_LINE)}\n")
 
 
 def positive_number(text: str) -> float:
-    """The number that a user gave for a duration, for argparse."""
+    """Return the number that a user gave for a duration, for argparse."""
     try:
         number = float(text)
     except ValueError:
@@ -52,7 +52,7 @@ def positive_number(text: str) -> float:
 
 
 def number_between(least: float, most: float) -> Callable[[str], float]:
-    """What reads a positive number from `least` to `most`, for argparse."""
+    """Return a parser of positive numbers from `least` to `most`, for argparse."""
 
     def read(text: str) -> float:
         number = positive_number(text)
@@ -64,7 +64,7 @@ def number_between(least: float, most: float) -> Callable[[str], float]:
 
 
 def add_parameters(parser: argparse.ArgumentParser) -> None:
-    """Adds the two arguments with which users set parameters."""
+    """Add the two arguments with which users set parameters."""
     parser.add_argument(
         "-p",
         dest="assignments",
@@ -80,15 +80,15 @@ def add_parameters(parser: argparse.ArgumentParser) -> None:
 
 @frozen
 class Given:
-    """A value as a user gave it, not yet checked."""
+    """A value from a user, not yet checked."""
 
     value: Any
     is_text: bool
-    """Whether it was typed after `:=`, and so has to be read first."""
+    """Whether it was typed after `:=`, so that it must be parsed first."""
 
 
 def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, Given]:
-    """What a TOML file and `name:=value` assignments say, by name; assignments win.
+    """Return the values in a TOML file and in `name:=value` assignments, by name; assignments win.
 
     Raises:
         ConfigurationError: The file cannot be read, or an assignment is not one.
@@ -103,7 +103,7 @@ def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, Given
 
 
 def with_spellings(given: Mapping[str, Given], spellings: Mapping[str, str]) -> dict[str, Given]:
-    """What was given, under the names that parameters have; `spellings` has others that are taken.
+    """Return the given values by parameter name; `spellings` has other accepted names.
 
     Raises:
         ParameterError: A parameter was given in two spellings.
@@ -117,10 +117,10 @@ def with_spellings(given: Mapping[str, Given], spellings: Mapping[str, str]) -> 
 def check_given(
     specs: Iterable[ParameterSpec], given: Mapping[str, Given]
 ) -> dict[str, ParameterValue]:
-    """The values of the parameters that were given.
+    """Return the checked values of the given parameters.
 
     Raises:
-        ParameterError: A name is unknown, or a value is not one of its parameter.
+        ParameterError: A name is unknown, or a value is invalid for its parameter.
     """
     known = {spec.name: spec for spec in specs}
     return {
@@ -130,7 +130,7 @@ def check_given(
 
 
 def as_text(value: ParameterValue) -> str:
-    """The value as a user types it after `:=`."""
+    """Return the value as a user types it after `:=`."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):

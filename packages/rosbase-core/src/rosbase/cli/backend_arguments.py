@@ -1,4 +1,4 @@
-"""Arguments on the command line that are for the backend, such as those after `--ros-args`."""
+"""Command-line arguments for the backend, such as those after `--ros-args`."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,12 +13,13 @@ _END = "--"
 def split_arguments(
     arguments: Sequence[str], backends: Mapping[str, BackendPlugin]
 ) -> tuple[list[str], dict[str, str]]:
-    """The arguments of the command itself, and who takes the others.
+    """Split the arguments of the command from those of backends.
 
-    A backend's own stand behind its word, up to `--` or the end. It finds them by itself.
+    The arguments of a backend follow its word, up to `--` or the end. The backend finds them
+    by itself.
 
     Returns:
-        What is left, and each word that was found with the name of its backend.
+        The remaining arguments, and each word that was found with the name of its backend.
     """
     words = {plugin.arguments_after: name for name, plugin in backends.items()}
     own: list[str] = []
@@ -36,7 +37,7 @@ def split_arguments(
 
 
 def check_taken(found: Mapping[str, str], backend: str) -> None:
-    """Sees to it that no argument is lost in silence.
+    """Ensure that no argument is silently ignored.
 
     Raises:
         ConfigurationError: There are arguments of a backend that is not the chosen one.

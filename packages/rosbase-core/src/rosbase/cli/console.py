@@ -1,4 +1,4 @@
-"""The log of a command, on stderr: in the shape of ROS 2, and above what a terminal shows."""
+"""The log of a command on stderr: in the format of ROS 2, above the lines shown on a terminal."""
 
 import argparse
 import logging
@@ -15,12 +15,12 @@ __all__ = ["LogOutput", "add_log_level", "log_to_stderr"]
 
 
 class LogOutput(Output):
-    """Where the log goes: it never waits, and on a terminal it stands above what is shown there."""
+    """Output of the log: it never waits, and on a terminal it appears above the shown lines."""
 
     screen: Screen | None = None
-    """Whose lines give way to the log."""
+    """Screen whose lines make room for the log."""
     wraps = False
-    """Whether lines break between words where they are longer than the terminal is wide."""
+    """Whether long lines break between words at the width of the terminal."""
 
     def write_record(self, text: str) -> None:
         """Write the lines of a record."""
@@ -46,10 +46,10 @@ def add_log_level(parser: argparse.ArgumentParser) -> None:
 
 
 def log_to_stderr(levels: Iterable[tuple[str, int]] = ()) -> LogOutput:
-    """Have rosbase's log records written to stderr, whatever libraries do; return the output.
+    """Write rosbase's log records to stderr, whatever libraries do; return the output.
 
     Args:
-        levels: The least level of each logger, by its name; the empty name stands for all.
+        levels: The minimum level of each logger, by its name; the empty name stands for all.
     """
     output = LogOutput(sys.stderr)
     console = Console(output.write_record, has_colour=wants_colour(sys.stderr))

@@ -1,4 +1,4 @@
-"""What the core tells `rosbase doctor`: of the interpreter, the date, and the plugins."""
+"""The core's checks for `rosbase doctor`: the interpreter, the date, and the plugins."""
 
 import platform
 import sys
@@ -22,7 +22,7 @@ _SET_CLOCK = "set it: sudo timedatectl set-ntp true, or sudo date -s 'YYYY-MM-DD
 
 
 def check_python() -> Iterable[Finding]:
-    """Which interpreter runs, on what; a warning where nobody has tried it."""
+    """Report the interpreter and its platform; warn if they have not been tested."""
     implementation, system = platform.python_implementation(), platform.system()
     what = f"{implementation} {platform.python_version()} on {platform.platform()}"
     yield Finding(Outcome.OK, f"{what}, {sys.executable}")
@@ -39,7 +39,7 @@ def check_python() -> Iterable[Finding]:
 
 
 def check_clock(clock: Clock) -> Iterable[Finding]:
-    """Tell the date of this machine; a warning where stamps made of it would be wrong."""
+    """Report the date of this machine; warn if stamps made from it would be wrong."""
     now_ns = clock.now_ns()
     if fault := date_fault(now_ns):
         yield Finding(Outcome.WARN, f"{fault}: stamps are zero", _SET_CLOCK)
@@ -53,7 +53,7 @@ def check_clock(clock: Clock) -> Iterable[Finding]:
 
 
 def check_plugins(registry: PluginRegistry) -> Iterable[Finding]:
-    """What became of each plugin, what is not installed, and whether the backend is there."""
+    """Report each plugin, missing packages, and whether the backend is installed."""
     for record in judged_plugins(registry):
         yield _finding_of(record)
     for what, package in registry.missing.items():

@@ -1,4 +1,4 @@
-"""What the words of the counts mean, for `--help`."""
+"""Explanations of the counts, for `--help`."""
 
 __all__ = ["COUNTS_HELP"]
 

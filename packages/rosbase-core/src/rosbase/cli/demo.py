@@ -1,4 +1,4 @@
-"""`rosbase demo`: runs the reader on a simulated device at the far end of a real link."""
+"""`rosbase demo`: run the reader on a simulated device at the far end of a real link."""
 
 import argparse
 from collections import deque
@@ -31,7 +31,7 @@ _RETURN_S = 10.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments."""
+    """Add the arguments."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = COUNTS_HELP
     parser.add_argument(
@@ -52,7 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Runs the demo; 0 if every sample that was sent has been published."""
+    """Run the demo; return 0 if every sample that was sent has been published."""
     log = log_to_stderr(arguments.log_level)
     log.wraps = True
     transport = installed_plugins().transport(arguments.transport)
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class DemoHandlers(ReaderHandlers):
-    """Starts the simulated device once the reader is active, and ends it before the reader."""
+    """Starts the simulated device once the reader is active, and stops it before the reader."""
 
     manager: "DemoManager"
 
@@ -95,7 +95,7 @@ class DemoHandlers(ReaderHandlers):
         duration_s: float,
         **kwargs: Any,
     ) -> None:
-        """Takes charge of the simulator, and of the plug of the device if it has one."""
+        """Take the simulator, and the plug of the device if it has one."""
         super().__init__(manager, *args, duration_s=duration_s, **kwargs)
         self._simulator = simulator
         self._sent_before = deque([0] * _SHOWN_PER_S, _SHOWN_PER_S)
@@ -111,7 +111,7 @@ class DemoHandlers(ReaderHandlers):
             )
 
     def handle(self) -> None:
-        """Called once per tick."""
+        """Run one step. Called once per tick."""
         if not (self._is_sending or self.manager.is_ending):
             if not self.manager.is_active:
                 self.manager.request_stop()
@@ -126,18 +126,18 @@ class DemoHandlers(ReaderHandlers):
             self._finish()
 
     def end_in_time(self, duration_s: float) -> None:
-        """Ends the run, but waits for a device that is about to come back."""
+        """End the run, but wait for a device that is about to come back."""
         pull = self.manager.pull
         if pull is None or not pull.is_busy or self.elapsed_s > duration_s + _RETURN_S:
             super().end_in_time(duration_s)
 
     @property
     def note(self) -> tuple[str, str]:
-        """What has become of the plug, once something has."""
+        """State of the plug, once it has changed."""
         return self.manager.pull.note if self.manager.pull else ("", "")
 
     def counts(self, rate_hz: float) -> list[Field]:
-        """The second line of the panel."""
+        """Return the second line of the panel."""
         manager, sent = self.manager, self._simulator.sent
         # What was sent a second ago has had the time to arrive.
         lost = max(0, self._sent_before[0] - manager.reader.counts.received)
@@ -145,7 +145,7 @@ class DemoHandlers(ReaderHandlers):
         return count_fields(manager.reader, rate_hz, manager.latency, ("lost", lost), sent)
 
     def _finish(self) -> None:
-        """Stops the device, and the reader once it has read everything."""
+        """Stop the device, and the reader once it has read everything."""
         if self._ended_s is None:
             self._simulator.stop()
             self._ended_s = self.elapsed_s
@@ -155,7 +155,7 @@ class DemoHandlers(ReaderHandlers):
 
 
 class DemoManager(ReaderManager):
-    """A run that is asked to stop lets the device finish first, so that nothing is lost."""
+    """A run in which the device finishes first after a request to stop, so that nothing is lost."""
 
     name_of_run = "rosbase demo"
     is_ending = False
@@ -168,32 +168,32 @@ class DemoManager(ReaderManager):
         simulator: ImuSimulator,
         **kwargs: Any,
     ) -> None:
-        """Builds the run."""
+        """Build the run."""
         self._simulator = simulator
         self.pull: PlugPull | None = None
-        """What pulls the plug, if the device has one."""
+        """Pulls the plug, if the device has one."""
         super().__init__(parameters, log, simulator=simulator, listens=True, **kwargs)
 
     def request_stop(self) -> None:
-        """Has the handlers end the run in good order."""
+        """Ask the handlers to end the run in good order."""
         self.is_ending = True
 
     def finish(self) -> None:
-        """Ends the main loop."""
+        """End the main loop."""
         super().request_stop()
 
     @property
     def latency(self) -> Histogram | None:
-        """From the stamp of a sample to the monitor: the simulated device has our clock."""
+        """Latency from the stamp of a sample to the monitor: the simulated device has our clock."""
         return self.monitor.latency if self.monitor else None
 
     @property
     def has_lost_some(self) -> bool:
-        """Whether fewer samples were published than were sent, or none was sent."""
+        """Whether fewer samples were published than sent, or none was sent."""
         return not 0 < self._simulator.sent == self.reader.counts.published
 
     def summary(self) -> list[str]:
-        """The verdict, the counts, how many were sent and lost, and what to try next."""
+        """Return the verdict, the counts, the numbers sent and lost, and the next command."""
         sent = self._simulator.sent
         lost = sent - self.reader.counts.received
         counts = summary_lines(self.reader, self.dropped, self.latency)

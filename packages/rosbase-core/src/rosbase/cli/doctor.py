@@ -1,4 +1,4 @@
-"""`rosbase doctor`: looks at everything that a run needs, and says what to do about each."""
+"""`rosbase doctor`: check everything that a run needs, and give advice on each problem."""
 
 import argparse
 import json
@@ -20,7 +20,7 @@ _LIMIT_S = 15.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments."""
+    """Add the arguments."""
     add_parameters(parser)
     parser.add_argument(
         "--json", action="store_true", help="print one object of JSON instead of lines"
@@ -28,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints what was found; 0 if nothing failed."""
+    """Print the findings; return 0 if nothing failed."""
     registry = installed_plugins()
     context, found = _context(registry, arguments), []
     # What a check prints must not stand within the object.

@@ -1,4 +1,4 @@
-"""Runs checks side by side, so that one which raises or hangs costs the others nothing."""
+"""Run checks side by side, so that one which raises or hangs does not affect the others."""
 
 import threading
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ __all__ = ["examine"]
 def examine(
     registry: PluginRegistry, context: CheckContext, limit_s: float
 ) -> Iterator[tuple[str, Finding]]:
-    """What the installed checks find, the core's first: the name of the check, and a finding.
+    """Yield the name of a check and a finding, the core's checks first.
 
     Args:
-        registry: Who has the checks.
-        context: What each is given.
-        limit_s: How long they may take, all together.
+        registry: Registry with the checks.
+        context: Context for each check.
+        limit_s: Time limit for all checks together.
     """
     checks = list(registry.checks.values())
     runs = [_Run(check, registry.owner_of(check), context) for check in checks]
@@ -31,7 +31,7 @@ def examine(
 
 
 class _Run:
-    """One check at work, on a thread of its own."""
+    """A running check, on its own thread."""
 
     def __init__(self, check: CheckPlugin, owner: PluginRecord, context: CheckContext) -> None:
         self.name = check.name
@@ -44,7 +44,7 @@ class _Run:
         self._thread.start()
 
     def findings(self, timeout_s: float, limit_s: float) -> list[Finding]:
-        """What it has found; that it hangs, if it is not at its end in time."""
+        """Return its findings; report that it hangs if it does not end in time."""
         self._thread.join(timeout_s)
         found = list(self._found)
         if self._thread.is_alive():

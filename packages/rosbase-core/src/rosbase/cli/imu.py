@@ -1,4 +1,4 @@
-"""`rosbase imu`: runs the reader on a device."""
+"""`rosbase imu`: run the reader on a device."""
 
 import argparse
 
@@ -25,7 +25,7 @@ _SPELLINGS = {"transport": "comm_t"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments."""
+    """Add the arguments."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = COUNTS_HELP
     add_parameters(parser)
@@ -50,7 +50,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Runs the reader until it is stopped."""
+    """Run the reader until it is stopped."""
     log = log_to_stderr(arguments.log_level)
     registry = installed_plugins()
     specs = reader_parameters(registry)

@@ -1,4 +1,4 @@
-"""`rosbase plugins`: which plugins are installed, what they bring, and what became of them."""
+"""`rosbase plugins`: list the installed plugins, their parts and their status."""
 
 import argparse
 
@@ -10,11 +10,11 @@ __all__ = ["configure", "run", "what_of"]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments: there are none."""
+    """Add no arguments: there are none."""
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints one line for each plugin."""
+    """Print one line for each plugin."""
     records = judged_plugins(installed_plugins())
     name_width = max((len(record.name) for record in records), default=0)
     status_width = max((len(record.status) for record in records), default=0)
@@ -26,7 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def what_of(record: PluginRecord) -> str:
-    """What a plugin brings, or why it brings nothing."""
+    """Return the parts of a plugin, or why it has none."""
     if record.is_blocked:
         return f"by {BLOCK_VARIABLE}"
     if record.failure:

@@ -1,4 +1,4 @@
-"""Listens to what the reader publishes: how much, how late, and what was last."""
+"""Listen to the reader's topics: message counts, latency and the last sample."""
 
 import json
 import math
@@ -20,9 +20,10 @@ _DEPTH = 10_000
 
 
 def message_to_json(message: Imu | MagneticField) -> str:
-    """The message as one line of JSON, with the names that sensor_msgs gives its fields.
+    """Return the message as one line of JSON, with the field names of sensor_msgs.
 
-    JSON has no number for what is not finite, as others on the topic may send it: it is null.
+    JSON has no number for infinities and NaN, which other publishers may send: they become
+    null.
     """
     try:
         return _encode(attrs.asdict(message))
@@ -44,14 +45,14 @@ class SampleMonitor(BaseNode):
         echo: Callable[[str], object] | None = None,
         **kwargs: Any,
     ) -> None:
-        """Subscribes; with `echo`, hands it each sample as a line of JSON."""
+        """Subscribe; with `echo`, pass each sample to it as a line of JSON."""
         super().__init__(manager, *args, **kwargs)
         # The parameters of the reader are those of the manager that they share.
         topic_namespace = self.get_parameter("topic_namespace").value
         self._now_ns = self.get_clock().now_ns
         self._echo = echo
         self.last: Imu | MagneticField | None = None
-        """The last sample."""
+        """Last sample."""
         self.latency = Histogram()
         """Nanoseconds from the stamp of each sample to its arrival here."""
         self._subscriptions = [
@@ -63,7 +64,7 @@ class SampleMonitor(BaseNode):
 
     @property
     def dropped(self) -> int:
-        """Samples that were published and did not get here in time."""
+        """Number of samples that were published but did not get here in time."""
         return sum(subscription.dropped for subscription in self._subscriptions)
 
     def _take(self, message: Imu | MagneticField) -> None:

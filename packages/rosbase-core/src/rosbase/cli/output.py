@@ -1,4 +1,4 @@
-"""Writes lines to a stream that may be slow, closed or gone, and never waits for it."""
+"""Write lines to a stream that may be slow, closed or gone, without waiting for it."""
 
 import os
 import select
@@ -20,10 +20,10 @@ _PIECE_BYTES = 512 if sys.platform == "darwin" else 4_096
 
 
 class Output:
-    """What is written to a stream, as far as the stream takes it.
+    """Buffered output to a stream that may be slow.
 
-    The main loop must not stand still because nobody reads a pipe: what cannot be written
-    now is kept, up to a limit, and written by the next `flush`.
+    The main loop must not stop because nobody reads a pipe. Text that cannot be written now is
+    kept, up to a limit, and written by the next `flush`.
     """
 
     def __init__(self, stream: TextIO) -> None:
@@ -41,15 +41,15 @@ class Output:
         self._begun = b""
         self._waiting: deque[bytes] = deque()
         self.dropped = 0
-        """Texts that nobody took in time."""
+        """Number of texts dropped because nobody read them in time."""
         self.is_gone = False
-        """Whether there is nobody left to read it."""
+        """Whether the stream has no reader any more."""
         self.error = ""
-        """Why nothing more can be written, if the reason is not just that nobody reads."""
+        """Reason why nothing more can be written, other than a missing reader."""
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and lines of the terminal; 80 and 24 where it does not say."""
+        """Columns and lines of the terminal; 80 and 24 if they are not known."""
         try:
             columns, lines = os.get_terminal_size(-1 if self._fd is None else self._fd)
         except OSError:
@@ -58,11 +58,11 @@ class Output:
 
     @property
     def encoding(self) -> str:
-        """That of the stream, in lower case."""
+        """Encoding of the stream, in lower case."""
         return (self._stream.encoding or "").lower()
 
     def write(self, text: str) -> None:
-        """Writes the text, now or later."""
+        """Write the text, now or later."""
         if self._fd is None:
             self._stream.write(text)
             return
@@ -74,13 +74,13 @@ class Output:
             self.flush()
 
     def flush(self) -> None:
-        """Writes what waits, as far as the stream takes it at once."""
+        """Write waiting text, as far as the stream takes it at once."""
         with self._lock:
             while self._write_piece(0.0):
                 pass
 
     def drain(self, seconds: float, clock: Clock) -> None:
-        """Writes what waits, for so long at most; what is left then is dropped."""
+        """Write waiting text within a time limit; drop the rest."""
         end_ns = clock.monotonic_ns() + int(seconds * 1e9)
         with self._lock:
             while (left_ns := end_ns - clock.monotonic_ns()) > 0:
@@ -90,7 +90,7 @@ class Output:
             self._waiting.clear()
 
     def _write_piece(self, timeout_s: float) -> bool:
-        """Writes a piece of what waits, when the stream is ready; tells whether it did."""
+        """Write a piece of the waiting text when the stream is ready; return whether it did."""
         if self._fd is None:
             return False
         has_text = bool(self._begun or self._waiting)
@@ -113,11 +113,11 @@ class Output:
 
 
 def _unblocking(stream: TextIO) -> int | None:
-    """A descriptor on which writing the pieces that it is ready for does not wait.
+    """Return a descriptor on which writing never waits if `poll` says that it is ready.
 
-    Pipes and sockets keep what `poll` says of them. A terminal does not: it says that it is
-    ready for a byte, and lets the rest of a line wait. So it is opened once more, because
-    the mode of the descriptor that it came with belongs to the shell too.
+    This holds for pipes and sockets. A terminal is ready for a byte, but then the rest of a
+    line waits. So it is opened once more, because the shell shares the mode of the original
+    descriptor.
     """
     try:
         fd = stream.fileno()
@@ -134,7 +134,7 @@ def _unblocking(stream: TextIO) -> int | None:
 
 
 def own_stdio() -> None:
-    """Gives a process that was started without stdout or stderr an end that takes everything."""
+    """Give a process started without stdout or stderr a stream that discards everything."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # for good

@@ -36,9 +36,9 @@ def parameter_table(
     """Return the lines of the table.
 
     Args:
-        specs: All the parameters.
-        transports: Those whose parameters are among them, by name.
-        defaults: Values that stand in for those of the specs.
+        specs: All parameters.
+        transports: Transports with parameters among them, by name.
+        defaults: Values that replace the defaults of the specs.
     """
     by_name = {spec.name: spec for spec in specs}
     owners = _owners(transports)

@@ -19,10 +19,10 @@ class _Phase(Enum):
 
 
 class PlugPull:
-    """Pulls the plug when the reader has all that was sent, and puts it back.
+    """Pulls the plug when the reader has all sent samples, and puts it back.
 
-    The device sends only while it is plugged in and somebody has it open, so nothing is lost that
-    could have arrived, and the counts agree in every run.
+    The device sends only while it is plugged in and open. So nothing is lost that could have
+    arrived, and the counts agree in every run.
     """
 
     def __init__(
@@ -43,15 +43,15 @@ class PlugPull:
         self._pulled_s = self._now_s = 0.0
         self._reconnects = self._sent = 0
         self.was_out_s: float | None = None
-        """For how long there were no samples; None as long as there are none again."""
+        """Seconds without samples; None until they come again."""
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has begun and is not over."""
+        """Whether the pull has begun and is not over."""
         return self._phase not in (_Phase.BEFORE, _Phase.AFTER)
 
     def step(self, now_s: float) -> None:
-        """Do what is due at that moment of the run, in seconds."""
+        """Do the work that is due at that moment of the run, in seconds."""
         self._now_s = now_s
         sent, received = self._simulator.sent, self._reader.counts.received
         if self._phase is _Phase.BEFORE and now_s >= self._at_s:
@@ -72,7 +72,7 @@ class PlugPull:
 
     @property
     def note(self) -> tuple[str, str]:
-        """A sentence on the plug, and its colour; empty before anything has happened."""
+        """Sentence on the plug, and its colour; empty before the pull."""
         if self._phase in (_Phase.BEFORE, _Phase.DRAINING):
             return "", ""
         if self.was_out_s is not None:

@@ -1,4 +1,4 @@
-"""Registers the commands of the core. What they need is imported when they run."""
+"""Register the commands of the core. Their imports happen when they run."""
 
 import argparse
 from collections.abc import Iterable
@@ -50,13 +50,13 @@ def _check_plugins(context: CheckContext) -> Iterable[Finding]:
 
 @hookimpl
 def rosbase_commands() -> Iterable[CommandPlugin]:
-    """The commands of the core."""
+    """Return the commands of the core."""
     return [_command(*command) for command in _COMMANDS]
 
 
 @hookimpl
 def rosbase_checks() -> Iterable[CheckPlugin]:
-    """What the core can tell of itself."""
+    """Return the core's own checks."""
     yield CheckPlugin("python", "the interpreter and the platform", _check_python)
     yield CheckPlugin("clock", "the date of this machine", _check_clock)
     yield CheckPlugin("plugins", "what is installed, and whether it works", _check_plugins)

@@ -1,4 +1,4 @@
-"""The handlers of a run of the reader: what is shown while it goes on, and when it ends."""
+"""The handlers of a run of the reader: they show its state and end it."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -22,14 +22,14 @@ _WAITS = "wait_for_"
 
 
 class ReaderHandlers(BaseHandlers):
-    """Shows how the run goes, and ends it when its time is up."""
+    """Show the state of a run, and end it when its time is up."""
 
     manager: "ReaderManager"
 
     def __init__(
         self, manager: Any = None, *args: Any, duration_s: float | None = None, **kwargs: Any
     ) -> None:
-        """With a duration, the run ends after so many seconds of the main loop."""
+        """Take the duration, after which the run ends, in seconds of the main loop."""
         super().__init__(manager, *args, **kwargs)
         self._monotonic_ns = manager.backend.clock.monotonic_ns
         self._duration_s = duration_s
@@ -38,10 +38,10 @@ class ReaderHandlers(BaseHandlers):
         self._published = 0
         self._panel = Panel(style_of(manager.screen.encoding))
         self.elapsed_s = 0.0
-        """How long the main loop has run."""
+        """Seconds that the main loop has run."""
 
     def handle(self) -> None:
-        """Called once per tick."""
+        """Run one step. Called once per tick."""
         now_ns = self._monotonic_ns()
         if self._start_ns is None:
             self._start_ns = self._shown_ns = now_ns
@@ -57,14 +57,14 @@ class ReaderHandlers(BaseHandlers):
             self.end_in_time(self._duration_s)
 
     def end_in_time(self, duration_s: float) -> None:
-        """Called once per tick when the time of the run is up."""
+        """End the run. Called once per tick when the time of the run is up."""
         if self.manager.is_to_be_active and not self.manager.reader.counts.published:
             self.manager.fail(f"{_NOTHING}. {_ADVICE}")
         else:
             self.manager.request_stop()
 
     def _waiting(self) -> str:
-        """The parameter that has the transport wait for its device, if it has one."""
+        """Return the parameter that makes the transport wait for its device, if it has one."""
         specs = self.manager.reader.settings.transport.parameters
         names = [spec.name for spec in specs if spec.name.startswith(_WAITS)]
         return "".join(
@@ -91,7 +91,7 @@ class ReaderHandlers(BaseHandlers):
 
     @property
     def title(self) -> list[Field]:
-        """The first line of the panel."""
+        """First line of the panel."""
         lasts = f"{self.elapsed_s:.1f} s"
         if self._duration_s is not None:
             lasts += f" of {self._duration_s:g} s"
@@ -100,10 +100,10 @@ class ReaderHandlers(BaseHandlers):
 
     @property
     def note(self) -> tuple[str, str]:
-        """The last line of the panel, and its colour; empty for the health of the reader."""
+        """Last line of the panel, and its colour; empty for the health of the reader."""
         return "", ""
 
     def counts(self, rate_hz: float) -> list[Field]:
-        """The second line of the panel."""
+        """Return the second line of the panel."""
         manager = self.manager
         return count_fields(manager.reader, rate_hz, manager.latency, ("dropped", manager.dropped))

@@ -1,4 +1,4 @@
-"""What users are told of a run: the line while it goes on, and the summary at its end."""
+"""Texts about a run: the line while it goes on, and the summary at its end."""
 
 from collections.abc import Iterator, Sequence
 
@@ -18,7 +18,7 @@ _COLOURS = {HealthLevel.OK: "green", HealthLevel.WARN: "yellow", HealthLevel.ERR
 def status_line(
     reader: ImuReader, last: Imu | MagneticField | None, dropped: int, rate_hz: float
 ) -> str:
-    """The state of the reader, its rate, what was lost, and its last sample."""
+    """Return the state of the reader, its rate, the lost samples, and the last sample."""
     state = reader.get_state()
     if state is not State.ACTIVE:
         return state.label
@@ -44,13 +44,13 @@ def view_of(
     counts: Sequence[Field],
     note: tuple[str, str] = ("", ""),
 ) -> View:
-    """What the panel shows of a run; of the reader's state and health, if there is no note."""
+    """Return the contents of the panel; without a note, it shows the reader's state and health."""
     text, colour = note if note[0] else note_on(reader)
     return View(title, counts, last, text, (colour,) if colour else ())
 
 
 def note_on(reader: ImuReader) -> tuple[str, str]:
-    """A sentence on how the reader is, and its colour."""
+    """Return a sentence on the reader's health, and its colour."""
     state = reader.get_state()
     if state is not State.ACTIVE:
         return state.label, "yellow"
@@ -65,14 +65,14 @@ def count_fields(
     lost: tuple[str, int],
     sent: int | None = None,
 ) -> list[Field]:
-    """What has become of the samples, the most important first.
+    """Return the counts of the samples, the most important first.
 
     Args:
-        reader: Its counts.
+        reader: The reader with the counts.
         rate_hz: Samples per second, of late.
         latency: From the stamp to the subscriber, in nanoseconds, if that can be measured.
-        lost: What losses are called, and how many there are.
-        sent: How many samples the device has sent, where that is known.
+        lost: Word for the losses, and their number.
+        sent: Number of samples that the device has sent, where that is known.
     """
     counts = reader.counts
     fields = [Field("rate", f"{rate_hz:.1f} Hz")]
@@ -89,9 +89,9 @@ def count_fields(
 
 
 def summary_lines(reader: ImuReader, dropped: int, latency: Histogram | None) -> Iterator[str]:
-    """One count per line, the word first; the latency in milliseconds, if it was measured.
+    """Return one count per line, the word first; the latency in milliseconds, if it was measured.
 
-    And how the reader was when it was last active, if something was wrong.
+    The health of the reader when it was last active follows, if something was wrong.
     """
     counts = reader.counts
     yield f"received {counts.received}"

@@ -1,4 +1,4 @@
-"""From a command line to the command that it names, and to its exit status."""
+"""Find the command that a command line names, run it, and return its exit status."""
 
 import argparse
 import os
@@ -18,7 +18,7 @@ __all__ = ["run"]
 
 
 def run(arguments: list[str]) -> int:
-    """Runs the command; what a user can mend becomes one line and status 2."""
+    """Run the command; a usage error becomes one line and status 2."""
     own_stdio()
     try:
         return _run(arguments)

@@ -1,4 +1,4 @@
-"""The lines at the bottom of a terminal that are written over again, below the log."""
+"""Lines at the bottom of a terminal that are overwritten in place, below the log."""
 
 import threading
 from collections.abc import Sequence
@@ -12,21 +12,21 @@ _PLAIN_PERIOD_S = 1.0
 
 
 class Screen:
-    """Shows some lines in place of those before; elsewhere than on a terminal, line after line.
+    """Shows lines in place of the previous ones; outside a terminal, line after line.
 
-    Log records that go to the same terminal are written with `above`, from any thread: they take
-    the place of the lines, which follow again below.
+    Write log records for the same terminal with `above`, from any thread. They take the place
+    of the lines, which follow again below.
     """
 
     def __init__(self, output: Output) -> None:
-        """Show nothing yet."""
+        """Start without lines."""
         self._output = output
         self._lock = threading.RLock()
         self._lines: Sequence[str] = ()
 
     @property
     def is_terminal(self) -> bool:
-        """Whether lines can be written over."""
+        """Whether lines can be overwritten."""
         return self._output.is_terminal
 
     @property
@@ -36,12 +36,12 @@ class Screen:
 
     @property
     def period_s(self) -> float:
-        """How often it is worth showing something."""
+        """Seconds between updates."""
         return _TERMINAL_PERIOD_S if self.is_terminal else _PLAIN_PERIOD_S
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and lines of the terminal, less the column in which some begin a new line."""
+        """Columns and lines of the terminal, less one column, because the last one may wrap."""
         columns, lines = self._output.size
         return columns - 1, lines
 
@@ -55,7 +55,7 @@ class Screen:
                 self._output.write("".join(f"{line}\n" for line in lines))
 
     def above(self, output: Output, text: str) -> None:
-        """Write whole lines to an output of the same terminal, above those that are shown."""
+        """Write whole lines to an output of the same terminal, above the shown ones."""
         with self._lock:
             if not (self._lines and output.is_terminal):
                 output.write(text)
@@ -63,14 +63,14 @@ class Screen:
             output.write(self._erase() + text + "\n".join(self._lines))
 
     def end(self) -> None:
-        """Leave the last lines standing, and go on below them."""
+        """Leave the last lines standing, and continue below them."""
         with self._lock:
             if self._lines:
                 self._output.write("\n")
                 self._lines = ()
 
     def _erase(self) -> str:
-        """Return what takes the cursor to the first of the lines, and clears them."""
+        """Return the sequence that moves the cursor to the first of the lines, and clears them."""
         if not self._lines:
             return ""
         up = len(self._lines) - 1

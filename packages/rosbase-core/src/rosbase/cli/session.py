@@ -1,4 +1,4 @@
-"""A run of the reader by a command: the manager, and what it says at its end."""
+"""A run of the reader by a command: the manager, and its report at the end."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -32,12 +32,12 @@ Echo: TypeAlias = Callable[[str], object]
 
 
 class ReaderManager(BaseManager):
-    """The reader on any backend, and a monitor of what it publishes where one is needed."""
+    """The reader on any backend, and a monitor of its topics if one is needed."""
 
     name_of_run = "rosbase imu"
     _has_run = True
     failure = ""
-    """Why the run has failed, in one line; empty if it has not."""
+    """Reason of a failure of the run, in one line; empty if there is none."""
 
     def __init__(
         self,
@@ -51,17 +51,17 @@ class ReaderManager(BaseManager):
         is_quiet: bool = False,
         **kwargs: Any,
     ) -> None:
-        """Builds the run.
+        """Build the run.
 
         Args:
-            parameters: What the reader's parameters are set to.
-            log: Where log records go; with `echoes`, everything but the samples.
-            backend: Its name.
-            handlers_class: What decides when the run ends.
-            echoes: Whether stdout gets every sample, as a line of JSON.
-            listens: Whether there is a monitor even if listening costs something.
-            is_quiet: Whether nothing is shown but the log.
-            kwargs: For the handlers, such as `duration_s`.
+            parameters: Values of the reader's parameters.
+            log: Output of log records; with `echoes`, of everything but the samples.
+            backend: Name of the backend.
+            handlers_class: Class that decides when the run ends.
+            echoes: Whether to print every sample to stdout, as a line of JSON.
+            listens: Whether to create a monitor even if listening costs something.
+            is_quiet: Whether to show nothing but the log.
+            kwargs: Arguments for the handlers, such as `duration_s`.
         """
         self._log = log
         self._stdout = Output(sys.stdout)
@@ -69,7 +69,7 @@ class ReaderManager(BaseManager):
         self._echoes = echoes
         self.is_quiet = is_quiet
         self.screen = Screen(self._report)
-        """Where the run is shown."""
+        """Screen that shows the run."""
         log.screen = self.screen
         opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
         self._is_alone = opened.delivers_in_process and not is_quiet
@@ -91,17 +91,17 @@ class ReaderManager(BaseManager):
 
     @property
     def reader(self) -> ImuReader:
-        """The reader."""
+        """Reader of the run."""
         reader: ImuReader = self.nodes[DEFAULT_NODE_NAME]
         return reader
 
     @property
     def monitor(self) -> SampleMonitor | None:
-        """What listens to it, if anything does."""
+        """Monitor of the reader's topics, if there is one."""
         return self.nodes.get("monitor")
 
     def release_resources(self) -> None:
-        """Hands over what was published last, and reports."""
+        """Print the last messages, and report."""
         while self.backend.spin_once(0.0):
             pass
         if self._echoes:
@@ -119,7 +119,7 @@ class ReaderManager(BaseManager):
         return wrapped(line, self.screen.size[0]) if self.screen.is_terminal else line
 
     def flush(self) -> None:
-        """Writes what waits to be written; ends the run when nobody is left to read it."""
+        """Write waiting text; end the run when no reader of the output is left."""
         self._log.flush()
         self._stdout.flush()
         if self._stdout.is_gone:
@@ -127,19 +127,19 @@ class ReaderManager(BaseManager):
 
     @property
     def dropped(self) -> int:
-        """Samples that were published, and lost on the way to whoever wanted them."""
+        """Number of samples published, but lost on the way to the output or the monitor."""
         lost_on_the_way = self.monitor.dropped if self.monitor else 0
         return lost_on_the_way + (self._stdout.dropped if self._echoes else 0)
 
     def summary(self) -> list[str]:
-        """The lines at the end of the run."""
+        """Return the lines at the end of the run."""
         return list(summary_lines(self.reader, self.dropped, self.latency))
 
     @property
     def latency(self) -> Histogram | None:
-        """From the stamp of a sample to the monitor, in nanoseconds; None if that says nothing.
+        """Latency in nanoseconds from the stamp of a sample to the monitor; None if meaningless.
 
-        A device's own stamp says nothing, because its clock is not ours.
+        It is meaningless for a device's own stamps, because its clock is not ours.
         """
         if self.monitor is None or self.reader.settings.uses_device_time:
             return None
@@ -147,23 +147,23 @@ class ReaderManager(BaseManager):
 
     @property
     def is_stranded(self) -> bool:
-        """Whether the reader was to be active and is not, and nobody else could make it so."""
+        """Whether the reader should be active but is not, and nobody else could activate it."""
         return self._is_alone and self.is_to_be_active and not self.is_active
 
     @property
     def is_to_be_active(self) -> bool:
-        """Whether the reader was to be brought up to the state active."""
+        """Whether the reader should be brought up to the state active."""
         return self.reader.autostart == "activate"
 
     def fail(self, why: str, *, has_run: bool = True) -> None:
-        """Ends the run, and has the command say why it has failed; without counts, if need be."""
+        """End the run with a message why it has failed; without counts, if necessary."""
         self.failure = why
         self._has_run = has_run
         self.request_stop()
 
     @property
     def is_active(self) -> bool:
-        """Whether the reader is at work."""
+        """Whether the reader is active."""
         return self.reader.get_state() is State.ACTIVE
 
     def _print_sample(self, line: str) -> None:
@@ -171,7 +171,7 @@ class ReaderManager(BaseManager):
 
 
 def run_to_end(manager: ReaderManager) -> int:
-    """Runs it; 0, or 1 with a line on stderr that says what has failed."""
+    """Run to the end; return 0, or 1 with a line on stderr that gives the failure."""
     manager.start_main_loop_timer()
     if failure := manager.failure:
         print(f"rosbase: {failure}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`rosbase simulate`: leaves a simulated device standing, for a reader in another terminal."""
+"""`rosbase simulate`: keep a simulated device running, for a reader in another terminal."""
 
 import argparse
 import shlex
@@ -26,7 +26,7 @@ _IN_S, _OUT_S = 8.0, 2.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments."""
+    """Add the arguments."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     summaries = {**{name: kind.summary for name, kind in FAULTS.items()}, _UNPLUG: _UNPLUG_SUMMARY}
     parser.epilog = "faults:\n" + "\n".join(
@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Sends samples until it is stopped."""
+    """Send samples until it is stopped."""
     log_to_stderr()
     transport = installed_plugins().transport(arguments.transport)
     device = simulate(transport)
@@ -95,7 +95,7 @@ def _plug(device: SimulatedDevice, transport: TransportPlugin) -> PluggableDevic
 
 
 class _Handlers(BaseHandlers):
-    """Starts the device, pulls its plug if it is told to, and ends the run in time."""
+    """Start the device, pull its plug on request, and end the run in time."""
 
     def __init__(
         self,

@@ -129,8 +129,7 @@ class Timer(Protocol):
         ...
 
     def reset(self) -> None:
-        """Restart the timer: the next call is one period from now. Do nothing once it is destroyed.
-        """
+        """Restart the timer: the next call is one period from now. Ignored once it is destroyed."""
         ...
 
     def is_canceled(self) -> bool:

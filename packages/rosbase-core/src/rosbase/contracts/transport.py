@@ -181,9 +181,9 @@ def hand_over(on_frame: OnFrame, frame: bytes, stamp_ns: int, logger: RosbaseLog
     """Call `on_frame`; log its exceptions, at a limited rate.
 
     Returns:
-        Whether a sample came of the frame. An answer that is no bool, such as None, counts as
-        yes: a program that does not know is served as if every frame were a sample. A call that
-            raises counts as no.
+        Whether the frame gave a sample. An answer that is not a bool, such as None, counts as a
+        yes. So a program that does not know is treated as if every frame gave a sample. A call
+        that raises counts as a no.
     """
     try:
         return on_frame(frame, stamp_ns) is not False

@@ -1,4 +1,4 @@
-"""A whole transport for whoever can open a device that has a descriptor."""
+"""A complete transport for any device that has a file descriptor."""
 
 from rosbase.device.device import Device, DeviceReport, OpenDevice, ReportingDevice
 from rosbase.device.transport import STOP_TIMEOUT_S, DeviceTransport

@@ -1,4 +1,4 @@
-"""What the author of a transport writes when the system can wait for the device.
+"""The interface that a plugin implements if the system can wait for its device.
 
 Must implement: all of `Device`. May implement: `report` of `ReportingDevice`. A plain class will
 do; there is nothing to inherit.
@@ -15,34 +15,34 @@ __all__ = ["Device", "DeviceReport", "OpenDevice", "ReportingDevice", "give_back
 
 
 class Device(Protocol):
-    """A device, or a link to one, that is open. One thread at a time calls it.
+    """An open device, or an open link to one. One thread at a time calls it.
 
-    A device may have an attribute `bytes_per_s`: how many bytes a second come at most, on a line
-    that hands them over as they come, such as a UART. A few frames that are read together are
-    then stamped no farther apart than they were on the line.
+    A device may have an attribute `bytes_per_s`: the maximum number of bytes per second, on a
+    line that hands them over as they come, such as a UART. Then a few frames that are read
+    together are stamped no further apart than on the line.
     """
 
     @property
     def name(self) -> str:
-        """What people call it in a line of text, such as `/dev/ttyUSB0`."""
+        """Name of the device in a line of text, such as `/dev/ttyUSB0`."""
         ...
 
     def fileno(self) -> int:
-        """The descriptor that can be read when there is something."""
+        """Return the descriptor, which is readable when there is data."""
         ...
 
     def read(self) -> bytes:
-        """What has arrived, without waiting for more; empty if there is nothing after all.
+        """Return arrived data without waiting for more; empty if there is none after all.
 
         Called when the descriptor can be read or is at its end.
 
         Raises:
-            TransportError: The device is lost. It is closed then, and opened anew.
+            TransportError: The device is lost. It will be closed and opened again.
         """
         ...
 
     def discard_input(self) -> None:
-        """Forgets what has arrived and was not read. Called when reading begins.
+        """Discard arrived data that was not read. Called when reading begins.
 
         Raises:
             TransportError: The device is lost.
@@ -50,21 +50,21 @@ class Device(Protocol):
         ...
 
     def close(self) -> None:
-        """Gives the device back. Raises nothing. Called once."""
+        """Release the device. Must not raise. Called once."""
         ...
 
 
 @frozen
 class DeviceReport:
-    """What a device knows of itself beside its data."""
+    """A device's report about itself, beside its data."""
 
     trouble: str = ""
-    """What is wrong although the device can be read, in one line; empty if nothing is.
+    """Fault of a device that can still be read, in one line; empty if there is none.
 
     It is `health.last_error` for as long as it is reported, and logged when it changes.
     """
     errors: Mapping[str, int] = field(factory=dict)
-    """Bytes that were lost or damaged since the last report: how many, by reason; one word each.
+    """Number of bytes lost or damaged since the last report, by reason; one word each.
 
     Counted in `health.link_errors`.
     """
@@ -77,7 +77,7 @@ class ReportingDevice(Device, Protocol):
     """A device that reports on itself while it is read."""
 
     def report(self, is_quiet: bool) -> DeviceReport:
-        """Return what is wrong at this moment, and what went wrong since the last call.
+        """Return the current fault, and the errors since the last call.
 
         Called about once a second, on the thread that reads, which waits meanwhile.
 
@@ -85,13 +85,13 @@ class ReportingDevice(Device, Protocol):
             is_quiet: Whether nothing has arrived since the last call.
 
         Raises:
-            TransportError: The device is lost. It is closed then, and opened anew.
+            TransportError: The device is lost. It will be closed and opened again.
         """
         ...
 
 
 def give_back(device: Device, logger: RosbaseLogger) -> None:
-    """Closes a device. What that raises although it should not is logged: it is gone anyhow."""
+    """Close a device. Log an exception that it should not raise: the device is gone anyway."""
     try:
         device.close()
     except Exception as error:
@@ -100,7 +100,7 @@ def give_back(device: Device, logger: RosbaseLogger) -> None:
 
 
 OpenDevice: TypeAlias = Callable[[], Device]
-"""Opens the device, within a second or two, or raises the TransportError that says why not.
+"""Function that opens the device within a second or two, or raises a TransportError.
 
-`stop` and `close` wait for it where the reader thread is opening.
+`stop` and `close` wait for it while the reader thread is opening.
 """

@@ -1,4 +1,4 @@
-"""What becomes of the bytes that were read: frames with stamps, handed over."""
+"""The intake: turns bytes into frames with stamps, and hands them over."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -11,7 +11,10 @@ from rosbase.framing import Frame, FrameEvent, Framer
 __all__ = ["Intake", "ReadMore"]
 
 ReadMore: TypeAlias = Callable[[float], bytes]
-"""Waits so many milliseconds for more data, and gives it; empty if none came."""
+"""Function that waits for more data, for a number of milliseconds.
+
+It returns the data; empty if none came.
+"""
 
 # After a stall, all that waits is read before any of it is stamped. A terminal hands a long queue
 # over in pieces, with pauses of some 0.1 ms in which it looks empty.
@@ -21,7 +24,7 @@ _MOST_BYTES = 512 * 1024
 
 
 class Intake:
-    """Cuts data into frames, stamps them and hands them over, all on the reader thread."""
+    """Splits data into frames, stamps them and hands them over, all on the reader thread."""
 
     def __init__(
         self,
@@ -42,10 +45,10 @@ class Intake:
         self._read_now, self._stamp_one = stamper.read, stamper.one
         self._byte_ns: float | None = None
         self.is_ended = False
-        """Whether nothing more is to be handed over."""
+        """Whether nothing more may be handed over."""
 
     def begin(self, device: Device) -> None:
-        """Prepare for what that device sends from now on."""
+        """Prepare for later data of that device."""
         bytes_per_s = getattr(device, "bytes_per_s", None)
         self._byte_ns = 1e9 / bytes_per_s if bytes_per_s else None
         if self._framer is not None:
@@ -55,8 +58,8 @@ class Intake:
         """Hand over the frames that the data completes; return the moment at which it was read.
 
         Args:
-            data: What has been read just now.
-            read_more: Reads what waits behind it.
+            data: Data that has just been read.
+            read_more: Reads the data that waits behind it.
         """
         at_ns = self._read_now()
         tally, framer = self._tally, self._framer
@@ -79,7 +82,7 @@ class Intake:
 
     @property
     def _is_within(self) -> bool:
-        """Whether a frame has begun that is not whole."""
+        """Whether a frame has begun but is not complete."""
         return self._telling is not None and self._telling.pending_bytes > 0
 
     def _take_many(self, events: list[FrameEvent], size: int, read_more: ReadMore) -> None:
@@ -92,7 +95,7 @@ class Intake:
                 self._hand_over(events, size)
 
     def _read_on(self, events: list[FrameEvent], read_more: ReadMore) -> int:
-        """Add what waits to the events; return how many bytes it was."""
+        """Add waiting data to the events; return its number of bytes."""
         size = 0
         while size < _MOST_BYTES and self._stamper.wants_more and not self.is_ended:
             # One frame alone has usually just come.

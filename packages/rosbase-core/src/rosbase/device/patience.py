@@ -1,4 +1,4 @@
-"""Opening a device that is busy for a moment, for as long as nobody wants to end."""
+"""Retries for a device that is busy for a moment."""
 
 import threading
 from collections.abc import Iterator
@@ -16,23 +16,23 @@ _PAUSE_S = 0.1
 
 
 class Patience:
-    """Try again for some seconds where the reason for a failure usually passes.
+    """Retries for some seconds if the reason for a failure usually passes.
 
     Some desktop services open every new port for a second or two; a device on a network may be
     about to start.
     """
 
     def __init__(self, context: TransportContext) -> None:
-        """Wait for nothing yet."""
+        """Start without waiting."""
         self._context = context
         self._enders = 0
         self._enders_lock = threading.Lock()
 
     def open(self, open_device: OpenDevice) -> Device:
-        """Return the device that `open_device` opens.
+        """Return the device from `open_device`.
 
         Raises:
-            TransportError: As `open_device`; where that may pass, the last one.
+            TransportError: From `open_device`; after retries, the last one.
         """
         clock, logger = self._context.clock, self._context.logger
         deadline_ns = clock.monotonic_ns() + int(_PATIENCE_S * 1e9)
@@ -50,7 +50,7 @@ class Patience:
 
     @contextmanager
     def ending(self) -> Iterator[None]:
-        """Make an `open` on another thread give up instead of waiting, within the block."""
+        """End an `open` on another thread at once instead of waiting, within the block."""
         with self._enders_lock:
             self._enders += 1
         try:
@@ -60,7 +60,7 @@ class Patience:
                 self._enders -= 1
 
     def _pauses(self) -> bool:
-        """Wait before the next try; return false if somebody wants to end."""
+        """Wait before the next try; return False if another thread wants to end."""
         if not self._enders:
             self._context.clock.sleep(_PAUSE_S)
         return not self._enders

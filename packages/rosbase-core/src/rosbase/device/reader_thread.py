@@ -1,4 +1,4 @@
-"""The thread that reads a device for as long as it is wanted, whatever becomes of the device."""
+"""The thread that reads a device as long as it is wanted, and reopens it when it is lost."""
 
 import select
 import threading
@@ -26,9 +26,9 @@ _LOOK_MS, _NS_PER_MS = 500.0, 1_000_000
 
 
 class ReaderThread:
-    """Reads, frames and hands over; reopens the device when it is lost, until it is stopped.
+    """Reads frames and hands them over; reopens a lost device, until it is stopped.
 
-    It owns the device while it runs, so nobody else closes it under a read.
+    It owns the device while it runs, so no other thread closes it during a read.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class ReaderThread:
         stamper: Stamper,
         watch: Watch,
     ) -> None:
-        """Prepares to read `device`, or to wait for one."""
+        """Prepare to read `device`, or to wait for one."""
         self._open_device = open_device
         self._context = context
         self._is_stream = framer is not None
@@ -58,12 +58,12 @@ class ReaderThread:
         self._has_ended = False
         self._closes_device = False
         self.device = device
-        """The device as long as there is one; whoever joins the thread takes it over."""
+        """Device, as long as there is one; the thread that joins this one takes it over."""
         self._has_lost_device = False
         self._thread = threading.Thread(target=self._run, name="rosbase-reader", daemon=True)
 
     def start(self) -> None:
-        """Begins, from what arrives from now on.
+        """Start reading data that arrives from now on.
 
         Raises:
             RuntimeError: The system has no more threads.
@@ -79,28 +79,28 @@ class ReaderThread:
 
     @property
     def is_current_thread(self) -> bool:
-        """Whether the caller runs on this thread, which is to say within `on_frame`."""
+        """Whether the caller runs on this thread, which means within `on_frame`."""
         return threading.current_thread() is self._thread
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the thread has ended or been asked to."""
+        """Whether the thread has ended or was asked to."""
         return self._stopping or self._has_ended
 
     def request_stop(self) -> None:
-        """Asks the thread to end. It does so after the frame that it is handing over."""
+        """Ask the thread to end. It does so after the frame that it is handing over."""
         self._stopping = self._intake.is_ended = True
         self._wakeup.wake()
 
     def close_device_at_end(self) -> None:
-        """Has the thread close its device as the last thing it does, or closes it if that was."""
+        """Ask the thread to close its device at its end; close the device now if it has ended."""
         with self._end_lock:
             self._closes_device = True
             if self._has_ended:
                 self._close_device()
 
     def join(self, timeout_s: float) -> bool:
-        """Waits for the end; tells whether it came in time."""
+        """Wait for the end; return whether it came in time."""
         self._thread.join(timeout_s)
         return not self._thread.is_alive()
 
@@ -122,7 +122,7 @@ class ReaderThread:
                     self._close_device()
 
     def _read(self, device: Device) -> None:
-        """Reads until the device is lost or the thread is to end."""
+        """Read until the device is lost or the thread must end."""
         intake, stamper = self._intake, self._stamper
         intake.begin(device)
         fd = device.fileno()
@@ -170,7 +170,7 @@ class ReaderThread:
             self._close_device()
 
     def _reopen(self) -> Device | None:
-        """The device, when it is there again; None if the thread is to end first."""
+        """Return the device when it is back; None if the thread must end first."""
         logger = self._context.logger
         while not self._sleep(self._backoff.next_s()):
             try:
@@ -196,7 +196,7 @@ class ReaderThread:
         self._stamper.begin()
 
     def _sleep(self, seconds: float) -> bool:
-        """Waits; true at once if the thread is to end."""
+        """Wait; return True at once if the thread must end."""
         wakeup = select.poll()
         wakeup.register(self._wakeup, select.POLLIN)
         wakeup.poll(seconds * 1000.0)
@@ -208,7 +208,7 @@ class ReaderThread:
             give_back(device, self._context.logger)
 
     def _say(self, error: TransportError) -> None:
-        """Logs why there is no device, once for each reason in a row."""
+        """Log why there is no device, once for each reason in a row."""
         self._watch.is_silent = False
         if str(error) != self._tally.last_error:
             self._tally.last_error = str(error)

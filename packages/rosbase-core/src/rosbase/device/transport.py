@@ -21,13 +21,13 @@ from rosbase.framing import Framer
 __all__ = ["STOP_TIMEOUT_S", "DeviceTransport"]
 
 STOP_TIMEOUT_S = 2.0
-"""How long `stop` waits for an `on_frame` that does not return."""
+"""Timeout of `stop` for an `on_frame` that does not return."""
 
 
 class DeviceTransport(Transport):
-    """Reads a device that has a descriptor, on a thread of its own, and brings it back when lost.
+    """Reads a device with a file descriptor on its own thread, and reopens it when it is lost.
 
-    A plugin makes one from what opens its device. Nothing is to be overridden.
+    A plugin makes one from a function that opens its device. Override nothing.
     """
 
     def __init__(
@@ -39,19 +39,18 @@ class DeviceTransport(Transport):
         waits_for_device: bool = False,
         reopen_after_s: float = 0.0,
     ) -> None:
-        """Touches nothing yet.
+        """Take the arguments; touch no device yet.
 
         Args:
-            open_device: Opens the device. Called on the thread that opens, and later on the
-                reader thread, one at a time.
+            open_device: Opens the device. Called on the thread that opens, and later on the reader
+                thread, one at a time.
             context: The clock and the logger that the transport was given.
-            framer: Cuts a stream into frames; None where each read is a whole one, as of
+            framer: Splits a stream into frames; None if each read is a whole frame, as with
                 datagrams.
-            waits_for_device: Whether `open` leaves a device that is absent to the reader thread,
-                instead of raising what `open_device` raises.
-            reopen_after_s: Seconds without data after which the device is closed and opened
-                again; each time in a row that this does not help twice as many, up to eight
-                times. 0: never.
+            waits_for_device: Whether `open` leaves an absent device to the reader thread, instead
+                of raising the error of `open_device`.
+            reopen_after_s: Seconds without data after which the device is closed and opened again.
+                If that does not help, the time doubles, up to eight times the value. 0: never.
         """
         self._open_device = open_device
         self._context = context
@@ -69,9 +68,10 @@ class DeviceTransport(Transport):
         self._lock = threading.RLock()
 
     def open(self) -> None:
-        """Takes the device; one that is waited for is left to the reader thread.
+        """Open the device, or leave a device that is waited for to the reader thread.
 
-        What usually passes, as that another program has the device, is given some seconds.
+        If the failure usually passes, such as another program using the device, try for
+        some seconds.
         """
         if self._on_reader_thread():
             return
@@ -96,7 +96,7 @@ class DeviceTransport(Transport):
                 self._context.logger.info(f"opened {self._device.name}")
 
     def start(self, on_frame: OnFrame) -> None:
-        """Starts the reader thread, on the open device, or waiting for one."""
+        """Start the reader thread, with the open device or waiting for one."""
         if self._on_reader_thread():
             return
         with self._lock:
@@ -130,7 +130,7 @@ class DeviceTransport(Transport):
             self._is_awaited = False
 
     def stop(self) -> None:
-        """Ends the reader thread; waits for it, except on that thread itself."""
+        """End the reader thread; wait for it, except on that thread itself."""
         if self._on_reader_thread():
             self._reader_asks_to_end(closes_device=False)
             return
@@ -138,7 +138,7 @@ class DeviceTransport(Transport):
             self._end_reader()
 
     def close(self) -> None:
-        """Ends the reader thread and gives the device back."""
+        """End the reader thread and release the device."""
         if self._on_reader_thread():
             self._reader_asks_to_end(closes_device=True)
             return
@@ -151,13 +151,13 @@ class DeviceTransport(Transport):
 
     @property
     def is_open(self) -> bool:
-        """Whether the device is held at this moment."""
+        """Whether the device is open at this moment."""
         reader = self._reader
         return (reader.device if reader is not None else self._device) is not None
 
     @property
     def health(self) -> TransportHealth:
-        """How it is doing."""
+        """Health of the transport."""
         # A framer need not know how many bytes wait for the end of a frame.
         pending = getattr(self._framer, "pending_bytes", 0)
         return self._tally.health(self._state(), pending)
@@ -183,7 +183,7 @@ class DeviceTransport(Transport):
                 reader.close_device_at_end()
 
     def _collect_stopped_reader(self) -> None:
-        """Takes the device back from a reader that was stopped from within `on_frame`."""
+        """Take the device back from a reader that was stopped from within `on_frame`."""
         if self._reader is not None and self._reader.is_stopping:
             self._end_reader()
 

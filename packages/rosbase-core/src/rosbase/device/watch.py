@@ -1,4 +1,4 @@
-"""What is looked at once a second while a device is read: whether it sends, and its own report."""
+"""Checks once a second while a device is read: whether it sends, and its own report."""
 
 from rosbase.contracts.transport import Tally, TransportContext
 from rosbase.device.device import Device, DeviceReport, ReportingDevice
@@ -13,19 +13,19 @@ _MOST_PATIENCE = 8
 
 
 class Watch:
-    """Look after a device that is being read. For the reader thread only.
+    """Watches a device that is being read. For the reader thread only.
 
-    `due_ns` and `timeout_ms` are read in the loop of the reader, so that a read costs one
-    comparison. Where there is nothing to look at, nothing is ever due.
+    The loop of the reader checks `due_ns` and `timeout_ms`, so that a read costs one
+    comparison. If there is nothing to check, nothing is ever due.
     """
 
     def __init__(self, context: TransportContext, tally: Tally, reopen_after_s: float) -> None:
-        """Look at nothing yet.
+        """Start without a device.
 
         Args:
             context: The clock and the logger of the transport.
-            tally: Where the errors of a report are counted.
-            reopen_after_s: Seconds without data after which the device is opened anew; 0: never.
+            tally: Counts the errors of a report.
+            reopen_after_s: Seconds without data after which the device is opened again; 0: never.
         """
         self._context = context
         self._tally = tally
@@ -39,14 +39,14 @@ class Watch:
         self._begin_ns = 0
         self._received = 0
         self.is_silent = False
-        """Whether the device was opened anew because it is silent, and still is."""
+        """Whether the device was opened again because it was silent, and still is."""
         self.due_ns = _NEVER_NS
-        """When to look next, on the monotonic clock."""
+        """Time of the next check, on the monotonic clock."""
         self.timeout_ms: float | None = None
-        """How long the reader may wait for data before it looks at `due_ns`; None: for ever."""
+        """Time that the reader may wait for data before it checks `due_ns`; None: for ever."""
 
     def begin(self, device: Device) -> None:
-        """Look after this device from now on."""
+        """Watch this device from now on."""
         self._device = device
         # The trouble of a silent device is not said again each time that it is opened.
         self._trouble = self._trouble if self.is_silent else ""
@@ -60,7 +60,7 @@ class Watch:
             self.due_ns, self.timeout_ms = _NEVER_NS, None
 
     def look(self, now_ns: int) -> bool:
-        """Look, and say what has changed. Return whether the device is to be read further.
+        """Check the device and log changes; return whether to go on reading it.
 
         Raises:
             TransportError: The device found out that it is lost.

@@ -1,4 +1,4 @@
-"""What a framer is, and what comes out of one."""
+"""The interface of a framer, and its events."""
 
 from typing import NamedTuple, Protocol, TypeAlias
 
@@ -10,33 +10,33 @@ class Frame(NamedTuple):
 
     data: bytes
     stamp_ns: int
-    """When the first bytes of the frame were read."""
+    """Time at which the first bytes of the frame were read."""
 
 
 class FrameError(NamedTuple):
-    """Bytes that cannot become a frame. They are gone; the stream goes on."""
+    """Bytes that cannot become a frame. They are lost; the stream goes on."""
 
     reason: str
     """One word, for counting, such as `overlong`."""
     stamp_ns: int
-    """When the first bytes of what was lost were read."""
+    """Time at which the first lost bytes were read."""
 
 
 FrameEvent: TypeAlias = Frame | FrameError
-"""What a framer gives."""
+"""Event that a framer returns."""
 
 
 class Framer(Protocol):
     """Bytes in, frames out. No I/O, bounded memory, the same frames for every chunking.
 
-    A framer may have an attribute `pending_bytes`: how many bytes it was fed since the last end of
-    a frame. With it, a reader can say why a device that sends gives no frames.
+    A framer may have an attribute `pending_bytes`: the number of bytes fed since the last end
+    of a frame. With it, a reader can explain why a sending device gives no frames.
     """
 
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
-        """Takes what was read at `stamp_ns` and gives what it completes, in order."""
+        """Take the data read at `stamp_ns`; return the events that it completes, in order."""
         ...
 
     def reset(self) -> None:
-        """Forgets a begun frame: what is read next does not continue it."""
+        """Forget an incomplete frame: the next data does not continue it."""
         ...

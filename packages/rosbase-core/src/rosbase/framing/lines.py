@@ -1,28 +1,28 @@
-"""Frames that end with the line."""
+"""A framer for lines."""
 
 from rosbase.framing.events import Frame, FrameError, FrameEvent
 
 __all__ = ["DEFAULT_MAX_LINE_BYTES", "LineFramer"]
 
 DEFAULT_MAX_LINE_BYTES = 65_536
-"""Longer lines are refused. Known IMUs stay under 500 bytes."""
+"""Default maximum length of a line; longer ones are refused. Known IMUs stay under 500 bytes."""
 
 # What may surround a line without belonging to it: a break on the line reads as NUL.
 _PADDING = b"\x00 \t"
 
 
 class LineFramer:
-    """Cuts bytes into lines.
+    """Splits bytes into lines.
 
-    CR, LF and CR LF all end a line. Blanks, tabs and NUL bytes around a line are not part
-    of it, and a line of nothing else is no line. A line longer than the limit is one
-    `overlong` error, and framing goes on behind its end.
+    CR, LF and CR LF all end a line. Blanks, tabs and NUL bytes around a line are not part of
+    it, and a line of only those is ignored. A line longer than the limit is one `overlong`
+    error, and framing goes on after its end.
     """
 
     __slots__ = ("_discarding", "_max_line_bytes", "_partial", "_stamp_ns", "pending_bytes")
 
     def __init__(self, max_line_bytes: int = DEFAULT_MAX_LINE_BYTES) -> None:
-        """Starts empty.
+        """Start without data.
 
         Raises:
             ValueError: The limit is less than 1 byte.
@@ -34,10 +34,10 @@ class LineFramer:
         self._stamp_ns = 0
         self._discarding = False
         self.pending_bytes = 0
-        """How many bytes came since the last end of a line, kept or not."""
+        """Number of bytes since the last end of a line, kept or not."""
 
     def feed(self, data: bytes, stamp_ns: int) -> list[FrameEvent]:
-        """Takes bytes read at `stamp_ns` and gives the lines that they complete, in order."""
+        """Take bytes read at `stamp_ns`; return the lines that they complete, in order."""
         *whole, rest = data.replace(b"\r", b"\n").split(b"\n")
         events: list[FrameEvent] = []
         for piece in whole:
@@ -51,7 +51,7 @@ class LineFramer:
         return events
 
     def reset(self) -> None:
-        """Forgets a begun line."""
+        """Forget an incomplete line."""
         self._partial.clear()
         self._discarding = False
         self.pending_bytes = 0

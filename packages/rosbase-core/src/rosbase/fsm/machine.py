@@ -12,8 +12,7 @@ __all__ = ["Machine", "StateHolder"]
 
 
 class StateHolder(Protocol):
-    """An object that holds the state in an attribute, such as handlers, which share the manager's.
-    """
+    """An object that holds the state in an attribute. Handlers hold the manager's."""
 
     # A property, because pyright refuses one in an object where the protocol has an attribute.
     @property
@@ -152,8 +151,7 @@ class Machine:
             return self._take_first(self._arrive(), event)
 
     def to_mermaid(self) -> str:
-        """Return the table as the text of a Mermaid state diagram, with a line end after each line.
-        """
+        """Return the table as the text of a Mermaid state diagram. Each line has a line end."""
         return draw(self._table)
 
     def _checked(self, what: str, actions: Mapping[str, Action] | None) -> dict[str, Action]:

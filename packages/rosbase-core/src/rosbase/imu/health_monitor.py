@@ -82,7 +82,7 @@ class HealthMonitor:
                 self._said[reason] = number
 
     def _say(self, reason: str, what: str, number: int) -> bool:
-        """Log it, unless the same reason has just been logged; tell whether it was."""
+        """Log the message, unless its reason has just been logged; return whether it was logged."""
         if not self._logger.due(f"reject {reason}", REJECT_LOG_S):
             return False
         known = self._explain(reason)

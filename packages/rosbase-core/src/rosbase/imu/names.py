@@ -29,8 +29,7 @@ def check_names(topic_namespace: str, frame_id: str, node_name: str) -> None:
 
 
 def _frame_fault(frame_id: str) -> str:
-    """Return why tf2 or DDS refuses a frame name; empty if they accept it (tf2: `validateFrameId`).
-    """
+    """Return why tf2 or DDS refuses a frame name; empty if not (tf2: `validateFrameId`)."""
     if not frame_id:
         return "is empty, and tf2 takes no empty frame"
     if frame_id.startswith("/"):

@@ -16,7 +16,7 @@ def _xyz(prefix: str) -> list[str]:
 
 
 def _reported(quantity: str, axes: str = "xyz") -> list[str]:
-    """Where sensor_msgs/Imu has a quantity, unless its covariance says that there is none."""
+    """Return the mapping of a quantity of sensor_msgs/Imu, unless its covariance excludes it."""
     return [f"[{quantity}_covariance[0]!=-1].{quantity}.{axis}" for axis in axes]
 
 

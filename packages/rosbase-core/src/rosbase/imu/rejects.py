@@ -1,5 +1,4 @@
-"""Reasons why a frame does not become a message: one word each for counting, and a hint for people.
-"""
+"""Reasons why a frame does not become a message: a word for counting, and a hint for people."""
 
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 

@@ -121,8 +121,7 @@ class LatchedPublisher(LocalPublisher):
             self._kept.append(message)
 
     def connect(self, subscription: LocalSubscription) -> None:
-        """Connect the subscription, starting with kept messages if it asks and has room for them.
-        """
+        """Connect the subscription; first deliver kept messages if it asks and has room."""
         with self._lock:
             if subscription.profile.is_latched:
                 for message in list(self._kept)[-subscription.depth :]:

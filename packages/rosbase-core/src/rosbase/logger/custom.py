@@ -160,8 +160,7 @@ def make_logger(
 
 
 def _fill_in(message: Any, values: tuple[Any, ...]) -> Any:
-    """Return the text, as in `logging`, for a logger that takes values; for others, with colours.
-    """
+    """Return the text as `logging` wants it if the logger takes values; else with colours."""
     try:
         return message % values if values else message
     except (TypeError, ValueError):

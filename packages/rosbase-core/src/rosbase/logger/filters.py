@@ -38,8 +38,7 @@ class LogOptions(TypedDict, total=False):
 
 
 class Filters:
-    """Remembers the logged calls of each place. A filter counts only calls whose level is enabled.
-    """
+    """Remembers the logged calls of each place. A filter counts only calls of enabled levels."""
 
     def __init__(self) -> None:
         """Start with nothing logged."""

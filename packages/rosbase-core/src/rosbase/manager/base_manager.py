@@ -221,8 +221,7 @@ class BaseManager(Constructed):
         """Prepare attributes that components expect. Called before the first component is built."""
 
     def handshake(self) -> bool | None:
-        """Return False to keep waiting. Called repeatedly; messages are handled between the calls.
-        """
+        """Return False to keep waiting. Called repeatedly, with messages handled in between."""
         return self._handshake.ask()
 
     def main_loop(self) -> None:

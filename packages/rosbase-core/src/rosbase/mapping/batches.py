@@ -15,7 +15,7 @@ from rosbase.mapping.surplus import Guard, elements_at, surplus_at
 __all__ = ["BatchReader", "compile_batch_reader"]
 
 BatchReader: TypeAlias = Callable[[Any], "list[Numbers | Reject | None] | Reject | None"]
-"""From a payload to the numbers of each sample; None if the quantity is absent."""
+"""Function from a payload to the numbers of each sample; None if the quantity is absent."""
 
 
 _List: TypeAlias = tuple[Steps, Sequence[Guard]]

@@ -86,7 +86,7 @@ def _may_meet(one: Steps, other: Steps) -> bool:
 
 
 class _Walk(NamedTuple):
-    """The rest of a way from a value, and what is known of the value."""
+    """The rest of a way from a value, and the known facts of the value."""
 
     steps: Steps
     known: tuple[Condition, ...] = ()

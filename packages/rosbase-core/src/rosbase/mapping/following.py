@@ -10,7 +10,7 @@ __all__ = ["MISSING", "Missing", "follow", "holds", "matching", "resolve"]
 
 
 class Missing:
-    """The type of MISSING."""
+    """Type of MISSING."""
 
     def __repr__(self) -> str:
         return "MISSING"

@@ -15,7 +15,7 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["IntervalReader", "compile_interval", "interval_path"]
 
 IntervalReader: TypeAlias = Callable[[object], int | None]
-"""From a payload to nanoseconds, or None if the payload has no usable interval."""
+"""Function from a payload to nanoseconds, or None if the payload has no usable interval."""
 
 _RATE = "Hz"
 _LONGEST_NS = 60 * TIME_UNITS["s"]
@@ -26,7 +26,7 @@ def compile_interval(text: str, *, numeric_strings: bool) -> IntervalReader:
     """Return a reader of the interval that `text` describes.
 
     Raises:
-        MappingError: It describes none.
+        MappingError: It describes no interval.
     """
     what, unit = _split(text)
     if JSON_NUMBER.fullmatch(what):

@@ -41,7 +41,7 @@ def parse_path(text: str, *, numeric_strings: bool = False) -> Path:
         numeric_strings: Whether its conditions take a text such as "1" as the number.
 
     Raises:
-        MappingError: It is no path; the message says what to write instead.
+        MappingError: It is not a path; the message says what to write instead.
     """
     scanner = _Scanner(text, "a path", numeric_strings=numeric_strings)
     ways = [_way(scanner)]
@@ -61,7 +61,7 @@ def parse_condition(text: str, *, numeric_strings: bool = False) -> Condition:
         numeric_strings: Whether it takes a text such as "1002" as the number.
 
     Raises:
-        MappingError: It is no condition; the message says what to write instead.
+        MappingError: It is not a condition; the message says what to write instead.
     """
     scanner = _Scanner(text, "a condition such as T=1002", numeric_strings=numeric_strings)
     scanner.skip_blanks()

@@ -18,7 +18,7 @@ __all__ = ["FrameReader", "Plan", "batch_reader", "single_reader"]
 SampleT = TypeVar("SampleT")
 
 FrameReader: TypeAlias = Callable[[bytes], SampleT | Reject | Batch[SampleT]]
-"""From a frame to a sample, to several, or to a reason. Never raises."""
+"""Function from a frame to a sample, to several, or to a reason. Never raises."""
 
 _NOT_SELECTED = Reject("not_selected")
 

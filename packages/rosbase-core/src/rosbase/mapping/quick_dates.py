@@ -11,7 +11,7 @@ from rosbase.mapping.times import Date, Dates
 __all__ = ["DateReader", "compile_date"]
 
 DateReader: TypeAlias = Callable[[Any], Date]
-"""From a payload to its date."""
+"""Function from a payload to its date."""
 
 _NS_PER_S = 1_000_000_000
 

@@ -15,7 +15,7 @@ from rosbase.mapping.surplus import surplus_at
 __all__ = ["Reader", "compile_reader"]
 
 Reader: TypeAlias = Callable[[Any], Numbers | Reject | None]
-"""From a payload to finite numbers in SI units; None if the quantity is absent."""
+"""Function from a payload to finite numbers in SI units; None if the quantity is absent."""
 
 
 def compile_reader(components: Components) -> Reader:

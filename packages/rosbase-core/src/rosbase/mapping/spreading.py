@@ -13,12 +13,12 @@ _MESSAGES = 15
 class Spreading:
     """Spreads the samples of each message over the time since the message before.
 
-    The last sample has the stamp of the message. Samples are never farther apart than usual,
+    The last sample has the stamp of the message. Samples are never further apart than usual,
     because a pause before a message is no pause between its samples.
     """
 
     def __init__(self) -> None:
-        """Begin before the first message."""
+        """Start before the first message."""
         self._last_ns: int | None = None
         # The time between samples in the last messages.
         self._steps_ns: deque[int] = deque(maxlen=_MESSAGES)

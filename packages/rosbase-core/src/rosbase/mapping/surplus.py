@@ -26,7 +26,7 @@ class Guard(NamedTuple):
     """The way from the element to the number; empty if the element is the number."""
     covered: frozenset[int]
     first: int
-    """The first index at which a quantity is; what stands before is of the whole list."""
+    """The first index at which a quantity is; elements before it belong to the whole list."""
 
 
 def covered_indices(ways: Iterable[Steps]) -> Covered:

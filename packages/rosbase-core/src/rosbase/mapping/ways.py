@@ -17,7 +17,7 @@ def quantity_ways(quantity: Quantity, *, numeric_strings: bool) -> list[tuple[Wa
         numeric_strings: Whether a text that is a number counts as one.
 
     Raises:
-        MappingError: A path is none, or there are too few or too many.
+        MappingError: A path is invalid, or there are too few or too many.
     """
     paths = [parse_path(text, numeric_strings=numeric_strings) for text in quantity.paths]
     count = len(quantity.components)
@@ -40,7 +40,7 @@ def time_ways(time: TimeMapping, *, numeric_strings: bool = False) -> list[tuple
         numeric_strings: Whether a text that is a number counts as one.
 
     Raises:
-        MappingError: A path is none, or they have different numbers of alternatives.
+        MappingError: A path is invalid, or they have different numbers of alternatives.
     """
     paths = [parse_path(text, numeric_strings=numeric_strings) for text in time.paths]
     return variants(paths, "mapping.time")

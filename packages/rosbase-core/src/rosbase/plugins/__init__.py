@@ -1,4 +1,4 @@
-"""Plugins: what they can bring, the hooks that ask for it, and a loader that isolates them."""
+"""Plugins: their descriptors, the hooks that ask for them, and a loader that isolates them."""
 
 from rosbase.plugins.descriptors import (
     BackendPlugin,

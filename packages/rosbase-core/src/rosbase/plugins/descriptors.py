@@ -1,4 +1,4 @@
-"""What a plugin can bring. A hook yields these; the registry keeps them by name."""
+"""Descriptors of a plugin's parts. A hook yields them; the registry keeps them by name."""
 
 import argparse
 from collections.abc import Callable, Iterable, Mapping
@@ -37,11 +37,11 @@ class BackendPlugin:
 
     name: str = field(validator=_word)
     summary: str = field(validator=validators.instance_of(str))
-    """What it is, in half a line."""
+    """Description in half a line."""
     create: Callable[[BackendOptions], Backend] = field(validator=validators.is_callable())
-    """Opens one."""
+    """Opens a backend."""
     arguments_after: str = field(default="", validator=validators.instance_of(str))
-    """After this word on a command line stand arguments of its own, such as `--ros-args`."""
+    """Word on a command line, such as `--ros-args`, that begins the backend's own arguments."""
 
 
 @frozen
@@ -52,25 +52,25 @@ class TransportPlugin:
 
     name: str = field(validator=_word)
     summary: str = field(validator=validators.instance_of(str))
-    """What it is, in half a line."""
+    """Description in half a line."""
     create: Callable[[Mapping[str, ParameterValue], TransportContext], Transport] = field(
         validator=validators.is_callable()
     )
-    """Makes one from the values of its parameters. Touches no device yet."""
+    """Makes a transport from the values of its parameters. Touches no device yet."""
     parameters: tuple[ParameterSpec, ...] = field(
         default=(),
         validator=validators.deep_iterable(
             validators.instance_of(ParameterSpec), validators.instance_of(tuple)
         ),
     )
-    """The parameters it adds to a reader's. The first says which device it is."""
+    """Parameters that it adds to a reader's. The first one selects the device."""
     simulate: Callable[[], SimulatedDevice] | None = None
-    """Opens a stand-in for a device, if there is one."""
+    """Opens a simulated device, if there is one."""
     hints: Mapping[str, str] = field(
         default={},  # shown in the documentation; nobody writes to it
         validator=validators.deep_mapping(validators.instance_of(str), validators.instance_of(str)),
     )
-    """What the link may have to do with frames that are refused, by the reason that is counted."""
+    """Hints on causes in the link for refused frames, by the reason that is counted."""
 
 
 @frozen
@@ -81,13 +81,13 @@ class PresetPlugin:
 
     name: str = field(validator=_word)
     summary: str = field(validator=validators.instance_of(str))
-    """Which device or firmware, in half a line."""
+    """Device or firmware, in half a line."""
     values: Mapping[str, ParameterValue] = field(
         validator=validators.deep_mapping(
             validators.instance_of(str), validators.instance_of((bool, int, float, str, list))
         )
     )
-    """By parameter name without the leading `mapping.`, such as `select`."""
+    """Values by parameter name without the leading `mapping.`, such as `select`."""
 
 
 @frozen
@@ -98,13 +98,13 @@ class CommandPlugin:
 
     name: str = field(validator=_word)
     summary: str = field(validator=validators.instance_of(str))
-    """What it does, in half a line."""
+    """Description in half a line."""
     configure: Callable[[argparse.ArgumentParser], object] = field(
         validator=validators.is_callable()
     )
     """Adds its arguments to its parser."""
     run: Callable[[Any], int] = field(validator=validators.is_callable())
-    """Runs it with the parsed arguments; gives the exit status."""
+    """Runs the command with the parsed arguments; returns the exit status."""
 
 
 def _of_ones_own(instance: object, attribute: "Attribute[type]", value: type) -> None:
@@ -114,28 +114,30 @@ def _of_ones_own(instance: object, attribute: "Attribute[type]", value: type) ->
 
 @frozen
 class ConversionPlugin:
-    """How a backend sends and receives messages of a class that it does not know."""
+    """Conversion of a message class for a backend that does not know the class."""
 
     kind: ClassVar[str] = "conversion"
 
     msg_type: type = field(validator=[validators.instance_of(type), _of_ones_own])
-    """What programs publish and receive."""
+    """Message class that programs publish and receive."""
     backend: str = field(validator=_word)
-    """The name of the backend that it is for."""
+    """Name of the backend."""
     summary: str = field(validator=validators.instance_of(str))
-    """What becomes of it there, in half a line."""
+    """Description of the result, in half a line."""
     create: Callable[[], Any] = field(validator=validators.is_callable())
-    """Gives what that backend takes for it, as its documentation says. Called when a topic with
-    such messages is first used there."""
+    """Returns the backend's object for the class, as the backend's documentation says.
+
+    Called when a topic with such messages is first used there.
+    """
 
     @property
     def name(self) -> str:
-        """Whose it is: there is one for each class and backend."""
+        """Name of the conversion: there is one for each class and backend."""
         return conversion_name(self.msg_type, self.backend)
 
 
 def conversion_name(msg_type: type, backend: str) -> str:
-    """What the conversion of messages of a class is called, on a backend."""
+    """Return the name of the conversion for a message class on a backend."""
     return f"{msg_type.__module__}.{msg_type.__qualname__} on {backend}"
 
 
@@ -147,10 +149,12 @@ class CheckPlugin:
 
     name: str = field(validator=_word)
     summary: str = field(validator=validators.instance_of(str))
-    """What is looked at, in half a line."""
+    """Description of the check, in half a line."""
     run: Callable[[CheckContext], Iterable[Finding]] = field(validator=validators.is_callable())
-    """Looks, on a thread of its own; `contracts/checks.py` says what it may do. Only here is
-    imported what it needs."""
+    """Runs the check, on its own thread; `contracts/checks.py` has the rules.
+
+    Import dependencies only here.
+    """
 
 
 Descriptor: TypeAlias = (

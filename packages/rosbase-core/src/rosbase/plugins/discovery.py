@@ -1,4 +1,4 @@
-"""Finds the entry points of installed distributions, also among those that are damaged."""
+"""Find the entry points of installed distributions, including damaged ones."""
 
 from collections.abc import Iterable
 from importlib.metadata import Distribution, EntryPoint, distributions
@@ -10,22 +10,22 @@ from rosbase.text.printable import one_line
 __all__ = ["CORE", "Candidate", "find_candidates"]
 
 CORE = "rosbase-core"
-"""The distribution whose plugins are the core's own."""
+"""Distribution of the core's own plugins."""
 
 
 @frozen
 class Candidate:
-    """A plugin that says it is there."""
+    """An entry point that claims to be a plugin."""
 
     name: str
-    """The name of the entry point."""
+    """Name of the entry point."""
     distribution: str
-    """The installed package that it belongs to."""
+    """Installed package that it belongs to."""
     version: str
     entry: EntryPoint | None
-    """What to load; None if the metadata cannot be read."""
+    """Object to load; None if the metadata cannot be read."""
     damage: str = ""
-    """What is wrong with the metadata, in one line."""
+    """Fault of the metadata, in one line."""
 
     @property
     def full_name(self) -> str:
@@ -34,21 +34,21 @@ class Candidate:
 
     @property
     def package(self) -> str:
-        """What is imported to load it; nothing, if the metadata cannot be read."""
+        """Package that is imported to load it; empty if the metadata cannot be read."""
         return self.entry.module.partition(".")[0] if self.entry else ""
 
     @property
     def is_core(self) -> bool:
-        """Whether it is a part of the core."""
+        """Whether it is part of the core."""
         return self.distribution == CORE
 
 
 def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate]:
-    """The entry points of the group, by distribution and name.
+    """Return the entry points of the group, by distribution and name.
 
     Args:
         group: The entry-point group.
-        path: Where to look; by default where Python looks.
+        path: Folders to search; by default Python's.
     """
     found: dict[str, list[Candidate]] = {}
     for distribution in _distributions(path):
@@ -60,7 +60,7 @@ def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate
 
 
 def _distributions(path: list[str] | None) -> Iterable[Distribution]:
-    """What is installed, as far as it can be listed."""
+    """Return the installed distributions, as far as they can be listed."""
     listed = iter(distributions() if path is None else distributions(path=path))
     while True:
         try:

@@ -1,7 +1,7 @@
-"""The hooks. A plugin implements those it needs, marked with `hookimpl`, in one module.
+"""The hooks. A plugin implements the ones that it needs, marked with `hookimpl`, in one module.
 
-Each hook is a plural noun, takes nothing, and yields descriptors. It is called once, when
-plugins are loaded; so the module must not import a device library, nor open anything.
+Each hook is a plural noun, takes nothing, and yields descriptors. It is called once, when plugins
+are loaded. So the module must not import a device library or open anything.
 """
 
 from collections.abc import Iterable
@@ -29,35 +29,35 @@ hookimpl = pluggy.HookimplMarker(PROJECT_NAME)
 
 @hookspec
 def rosbase_backends() -> Iterable[BackendPlugin]:
-    """Backends, chosen with `backend=` or `ROSBASE_BACKEND`."""
+    """Yield backends, chosen with `backend=` or `ROSBASE_BACKEND`."""
     return ()
 
 
 @hookspec
 def rosbase_transports() -> Iterable[TransportPlugin]:
-    """Transports, chosen with the parameter `comm_t`."""
+    """Yield transports, chosen with the parameter `comm_t`."""
     return ()
 
 
 @hookspec
 def rosbase_presets() -> Iterable[PresetPlugin]:
-    """Payload presets, chosen with the parameter `preset`."""
+    """Yield payload presets, chosen with the parameter `preset`."""
     return ()
 
 
 @hookspec
 def rosbase_commands() -> Iterable[CommandPlugin]:
-    """Subcommands of `rosbase`."""
+    """Yield subcommands of `rosbase`."""
     return ()
 
 
 @hookspec
 def rosbase_conversions() -> Iterable[ConversionPlugin]:
-    """Message classes of your own, for backends that convert messages."""
+    """Yield conversions of your own message classes, for backends that convert messages."""
     return ()
 
 
 @hookspec
 def rosbase_checks() -> Iterable[CheckPlugin]:
-    """Checks of `rosbase doctor`. What a check needs is imported when it runs."""
+    """Yield checks of `rosbase doctor`. Import a check's dependencies when it runs."""
     return ()

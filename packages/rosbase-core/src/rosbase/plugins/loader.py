@@ -1,8 +1,8 @@
-"""Loads each plugin on its own: a broken one is recorded with the reason, and harms nobody.
+"""Load each plugin separately: a broken one is recorded with the reason, and harms no other.
 
-pluggy's own loader stops at the first import error, lets misspelt hooks pass in silence,
-and lets one raising hook discard everyone's results. So plugins are imported, checked and
-asked one at a time here.
+pluggy's own loader stops at the first import error, lets misspelt hooks pass in silence, and lets
+one raising hook discard everyone's results. So this module imports, checks and asks plugins one at
+a time.
 """
 
 import inspect
@@ -32,7 +32,7 @@ from rosbase.text.printable import one_line
 __all__ = ["PluginRecord", "Trace", "load_plugin", "words_of"]
 
 Trace: TypeAlias = Callable[[str], object]
-"""Takes one line about a plugin."""
+"""Function that takes one line about a plugin."""
 
 _HOOKS: dict[str, type[Descriptor]] = {
     "rosbase_backends": BackendPlugin,
@@ -46,29 +46,29 @@ _HOOKS: dict[str, type[Descriptor]] = {
 
 @frozen
 class PluginRecord:
-    """What became of one entry point."""
+    """Result of loading one entry point."""
 
     candidate: Candidate
     descriptors: tuple[Descriptor, ...] = ()
-    """What it registered; nothing if it failed or is blocked."""
+    """Descriptors that it registered; none if it failed or is blocked."""
     failure: str = ""
-    """Why it failed, in one line; empty if it did not."""
+    """Reason of a failure, in one line; empty if it did not fail."""
     is_blocked: bool = False
-    """Whether the user has it left out; it has not been imported then."""
+    """Whether the user has blocked it; then it has not been imported."""
 
     @property
     def name(self) -> str:
-        """The entry point's name, which is what a user types."""
+        """Name of the entry point, as users type it."""
         return self.candidate.name
 
     @property
     def distribution(self) -> str:
-        """The installed package that it belongs to."""
+        """Installed package that it belongs to."""
         return self.candidate.distribution
 
     @property
     def version(self) -> str:
-        """That of the package."""
+        """Version of the package."""
         return self.candidate.version
 
     @property
@@ -83,14 +83,14 @@ class PluginRecord:
 
 
 def load_plugin(manager: pluggy.PluginManager, candidate: Candidate, trace: Trace) -> PluginRecord:
-    """Imports the plugin, registers it with pluggy, and asks it what it brings.
+    """Import the plugin, register it with pluggy, and ask it for its descriptors.
 
-    Whatever goes wrong ends up in the record, and the plugin is taken out again.
+    Every error ends up in the record, and the plugin is unregistered.
 
     Args:
-        manager: Who keeps the plugins.
+        manager: Keeps the plugins.
         candidate: The plugin.
-        trace: Is told what each hook gave, and what went wrong.
+        trace: Receives the results of each hook, and the errors.
     """
     record = PluginRecord(candidate)
     if candidate.entry is None:
@@ -157,6 +157,6 @@ def _checked(
 
 
 def words_of(error: BaseException) -> str:
-    """Return the class of an error, and what it says, in one line."""
+    """Return the class and the message of an error, in one line."""
     text = one_line(str(error))
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

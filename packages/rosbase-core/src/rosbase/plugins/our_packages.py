@@ -13,7 +13,7 @@ OURS = {
     ("transport", "mqtt"): "imu-mqtt",
     ("transport", "serial"): "imu-serial",
 }
-"""The package that brings what has this kind and name."""
+"""Package that provides a name, by kind and name."""
 
 
 def how_to_install(package: str) -> str:

@@ -1,4 +1,4 @@
-"""Finds the installed plugins and answers: which backend, transport or preset is that?"""
+"""The registry: finds the installed plugins; returns backends, transports and presets by name."""
 
 import difflib
 import sys
@@ -36,19 +36,19 @@ DescriptorT = TypeVar("DescriptorT", bound=Descriptor)
 
 
 class PluginRegistry:
-    """The plugins that are there, and what they bring."""
+    """The installed plugins, and their descriptors."""
 
     def __init__(
         self, candidates: Iterable[Candidate], switches: PluginSwitches | None = None
     ) -> None:
-        """Loads every candidate that is not blocked; none of them can make this fail.
+        """Load every candidate that is not blocked; none of them can make this fail.
 
         Args:
-            candidates: What says that it is a plugin.
-            switches: What the user has switched on; by default nothing.
+            candidates: Entry points that claim to be plugins.
+            switches: Switches set by the user; by default none.
 
         Raises:
-            ConfigurationError: The core is to be blocked.
+            ConfigurationError: The switches block the core.
             PluginError: One has failed, and the switches are strict.
         """
         self._switches = switches or PluginSwitches()
@@ -61,78 +61,80 @@ class PluginRegistry:
 
     @property
     def plugins(self) -> tuple[PluginRecord, ...]:
-        """Every plugin found, the failed ones too, by distribution and name."""
+        """Plugins found, including failed ones, by distribution and name."""
         return self._plugins
 
     @property
     def backends(self) -> Mapping[str, BackendPlugin]:
-        """The backends by name."""
+        """Backends by name."""
         return self._of(BackendPlugin)
 
     @property
     def transports(self) -> Mapping[str, TransportPlugin]:
-        """The transports that can be used, by name."""
+        """Usable transports by name."""
         return self._of(TransportPlugin)
 
     @property
     def presets(self) -> Mapping[str, PresetPlugin]:
-        """The payload presets that can be used, by name."""
+        """Usable payload presets by name."""
         return self._of(PresetPlugin)
 
     @property
     def commands(self) -> Mapping[str, CommandPlugin]:
-        """The commands that plugins add, by name."""
+        """Commands of plugins by name."""
         return self._of(CommandPlugin)
 
     @property
     def checks(self) -> Mapping[str, CheckPlugin]:
-        """The checks of `rosbase doctor`, by name."""
+        """Checks of `rosbase doctor` by name."""
         return self._of(CheckPlugin)
 
     def backend(self, name: str) -> BackendPlugin:
-        """The backend of that name.
+        """Return the backend of that name.
 
         Raises:
-            NotInstalledError: There is none; the line says what is there and what to install.
+            NotInstalledError: There is none; the message says what is available and what to
+                install.
         """
         return self._find(BackendPlugin, name)
 
     def transport(self, name: str) -> TransportPlugin:
-        """The transport of that name.
+        """Return the transport of that name.
 
         Raises:
-            NotInstalledError: There is none; the line says what is there and what to install.
+            NotInstalledError: There is none; the message says what is available and what to
+                install.
         """
         return self._find(TransportPlugin, name)
 
     def preset(self, name: str) -> PresetPlugin:
-        """The payload preset of that name.
+        """Return the payload preset of that name.
 
         Raises:
-            NotInstalledError: There is none; the line says what is there.
+            NotInstalledError: There is none; the message says what is available.
         """
         return self._find(PresetPlugin, name)
 
     def command(self, name: str) -> CommandPlugin:
-        """The command of that name.
+        """Return the command of that name.
 
         Raises:
-            NotInstalledError: There is none; the line says what is there.
+            NotInstalledError: There is none; the message says what is available.
         """
         return self._find(CommandPlugin, name)
 
     def create_conversion(
         self, msg_type: type, backend: str, accept: Callable[[Any], AcceptedT]
     ) -> AcceptedT | None:
-        """What a plugin gives a backend for messages of that class; None if no plugin does.
+        """Return a plugin's conversion for messages of that class; None if no plugin has one.
 
         Args:
             msg_type: The class.
             backend: The name of the backend.
-            accept: Makes of it what the backend works with; raises if that cannot be.
+            accept: Converts it to the type that the backend works with; raises if it cannot.
 
         Raises:
-            PluginError: More than one plugin claims the class, or what it gives is of no use.
+            PluginError: More than one plugin claims the class, or its conversion is unusable.
         """
         name = conversion_name(msg_type, backend)
         found = self._of(ConversionPlugin).get(name)
@@ -147,14 +149,15 @@ class PluginRegistry:
             raise PluginError(_says(found.kind, name, failed)) from error
 
     def owner_of(self, descriptor: Descriptor) -> PluginRecord:
-        """The plugin that brings it."""
+        """Return the plugin that provides the descriptor."""
         return next(record for record in self._plugins if descriptor in record.descriptors)
 
     def check_strictly(self, records: Iterable[PluginRecord]) -> None:
-        """Takes no plugin that has failed, where the user has said so.
+        """Refuse failed plugins, if the user has asked for that.
 
         Raises:
-            PluginError: One has, and `ROSBASE_STRICT_PLUGINS` is set; the line names all.
+            PluginError: One has failed, and `ROSBASE_STRICT_PLUGINS` is set; the message names
+                all.
         """
         failed = [f"{r.full_name} failed: {r.failure}" for r in records if r.status == "failed"]
         if failed and self._switches.is_strict:
@@ -162,7 +165,7 @@ class PluginRegistry:
 
     @property
     def missing(self) -> Mapping[str, str]:
-        """What this project has and is not there at all: the package, by what it would bring."""
+        """Return the parts of this project that are not installed, as package by part."""
         packages = {record.distribution for record in self._plugins}
         return {
             f"{kind} '{name}'": package
@@ -172,7 +175,7 @@ class PluginRegistry:
 
     @staticmethod
     def is_ours(kind: str, name: str) -> bool:
-        """Whether the name belongs to a package of this project."""
+        """Return whether the name belongs to a package of this project."""
         return (kind, name) in OURS
 
     def _of(self, kind: type[DescriptorT]) -> Mapping[str, DescriptorT]:
@@ -199,7 +202,7 @@ class PluginRegistry:
         return f"no {kind} '{name}'; installed: {', '.join(installed) or 'none'}{unseen}{hint}"
 
     def _why_not(self, kind: str, name: str) -> str:
-        """Which plugin failed or is blocked that has it, or should have it; empty if none is."""
+        """Return which failed or blocked plugin should have the name; empty if none does."""
         package = OURS.get((kind, name))
         for record in self._plugins:
             is_owner = record.distribution == package
@@ -213,7 +216,7 @@ class PluginRegistry:
 
 
 def _load(candidates: list[Candidate], switches: PluginSwitches) -> list[PluginRecord]:
-    """What becomes of each of them, before they are compared with each other."""
+    """Return the record of each candidate, before they are compared with each other."""
     manager = pluggy.PluginManager(hookspec.PROJECT_NAME)
     manager.add_hookspecs(hookspec)
     blocked = switches.choose_blocked(candidates)
@@ -243,10 +246,10 @@ def _says(kind: str, name: str, why: str) -> str:
 
 
 def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
-    """Fails every plugin that claims a name which is not its own alone.
+    """Fail every plugin that claims a name which another one has too.
 
-    One of this project's names stays with its package, and the core's with the core.
-    Between others nothing says who is right, so neither is used, and the user is told both.
+    A name of this project stays with its package, and a name of the core with the core.
+    Between others there is no right one, so neither is used, and the user sees both.
     """
     claims: dict[tuple[str, str], list[PluginRecord]] = {}
     for record in records:
@@ -273,10 +276,12 @@ def _refuse_contested(records: list[PluginRecord]) -> tuple[PluginRecord, ...]:
 
 @cache
 def installed_plugins() -> PluginRegistry:
-    """The registry of this process, loaded when first asked for, as the environment says.
+    """Return the registry of this process.
+
+    It is loaded on first use, with the switches in the environment.
 
     Raises:
-        ConfigurationError: The environment says what cannot be.
+        ConfigurationError: The environment has invalid switches.
         PluginError: A plugin has failed, and `ROSBASE_STRICT_PLUGINS` is set.
     """
     return PluginRegistry(find_candidates(ENTRY_POINT_GROUP), PluginSwitches.from_environment())

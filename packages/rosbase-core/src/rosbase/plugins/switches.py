@@ -1,4 +1,4 @@
-"""What the environment says of plugins: which to leave out, how strict to be, what to tell."""
+"""Switches for plugins in the environment: which to block, how strict to be, what to print."""
 
 import os
 import re
@@ -13,20 +13,20 @@ from rosbase.plugins.discovery import Candidate
 __all__ = ["BLOCK_VARIABLE", "STRICT_VARIABLE", "TRACE_VARIABLE", "PluginSwitches"]
 
 BLOCK_VARIABLE = "ROSBASE_BLOCK_PLUGINS"
-"""Names the plugins that are not even imported, with commas between them."""
+"""Variable with the plugins that are not even imported, separated by commas."""
 
 STRICT_VARIABLE = "ROSBASE_STRICT_PLUGINS"
-"""Whether a plugin that failed is an error."""
+"""Variable that makes a failed plugin an error."""
 
 TRACE_VARIABLE = "ROSBASE_TRACE_HOOKS"
-"""Whether stderr is told which hook of which plugin gave what."""
+"""Variable that prints the results of each plugin's hooks to stderr."""
 
 _SWITCH = {"": False, "0": False, "false": False, "1": True, "true": True}
 
 
 @frozen
 class PluginSwitches:
-    """What a user has switched on for the plugins of this process."""
+    """Switches of a user for the plugins of this process."""
 
     blocked: tuple[str, ...] = ()
     """Names of plugins, of distributions, or `distribution:name`."""
@@ -35,7 +35,7 @@ class PluginSwitches:
 
     @classmethod
     def from_environment(cls) -> "PluginSwitches":
-        """What the three variables say.
+        """Return the switches in the three variables.
 
         Raises:
             ConfigurationError: A switch is neither on nor off.
@@ -48,10 +48,10 @@ class PluginSwitches:
         )
 
     def choose_blocked(self, candidates: Iterable[Candidate]) -> set[str]:
-        """The full names of those to leave out; a name that means none of them is a warning.
+        """Return the full names of the blocked plugins; a name that matches none is a warning.
 
         Raises:
-            ConfigurationError: A name means nothing but a part of the core.
+            ConfigurationError: A name matches only a part of the core.
         """
         chosen: set[str] = set()
         listed = list(candidates)
@@ -84,5 +84,5 @@ def _means(name: str, candidate: Candidate) -> bool:
 
 
 def _plain(name: str) -> str:
-    """Names of distributions differ neither in case nor in `-`, `_` and `.` (PEP 503)."""
+    """Normalize a distribution name, where case, `-`, `_` and `.` do not matter (PEP 503)."""
     return re.sub(r"[-_.]+", "-", name).lower()

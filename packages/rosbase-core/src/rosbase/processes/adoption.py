@@ -1,9 +1,9 @@
-"""Ends the processes that a child leaves behind when its guardian is killed.
+"""End the processes that a child leaves behind when its guardian is killed.
 
-The kernel gives orphans to the nearest ancestor that has asked for them. While it has children
-the manager asks too (PR_SET_CHILD_SUBREAPER in prctl(2)), so it gets whatever a dead guardian had
-adopted. It recognises these processes by their mark, and never waits for any other process: a
-daemon or a subprocess of the program is none of its business.
+The kernel gives orphans to the nearest ancestor that has asked for them. While it has children,
+the manager asks too (PR_SET_CHILD_SUBREAPER in prctl(2)). So it gets the processes that a dead
+guardian had adopted. It recognises them by their mark. It never waits for any other process, such
+as a daemon or a subprocess of the program.
 """
 
 import ctypes
@@ -25,7 +25,7 @@ _PR_SET_CHILD_SUBREAPER, _PR_GET_CHILD_SUBREAPER = 36, 37
 
 
 class _Adopting:
-    """How many ask that this process adopts orphans. It concerns the whole process."""
+    """Number of requests that this process adopts orphans. It concerns the whole process."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -50,7 +50,7 @@ _adopting = _Adopting()
 
 
 def begin_adopting() -> None:
-    """Have this process adopt the orphans among its descendants, until `end_adopting`."""
+    """Start adopting the orphans among this process's descendants, until `end_adopting`."""
     _adopting.begin()
 
 
@@ -60,7 +60,7 @@ def end_adopting() -> None:
 
 
 def end_family(mark: Mark, clock: Clock) -> list[int]:
-    """Kill whatever carries the mark or descends from it, and take the dead off the system.
+    """Kill every process that carries the mark or descends from it, and reap the dead ones.
 
     Returns:
         The processes that could not be killed within 1.5 seconds; usually none.
@@ -85,7 +85,7 @@ def end_family(mark: Mark, clock: Clock) -> list[int]:
 
 
 class _Family:
-    """Those who carry a mark, and whoever descends from them."""
+    """The processes that carry a mark, and their descendants."""
 
     def __init__(self, mark: Mark) -> None:
         self._mark = mark
@@ -93,7 +93,7 @@ class _Family:
         self._labels = {mark.label}
 
     def look(self) -> list[int]:
-        """Reap those that have ended and are ours to reap; return those that are alive."""
+        """Reap ended processes that are ours to reap; return the living ones."""
         stats = everybody()
         family = {pid for pid in stats if self._has(pid)}
         while grown := {pid for pid in stats if parent_in(stats[pid]) in family} - family:

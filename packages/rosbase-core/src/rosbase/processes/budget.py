@@ -1,4 +1,4 @@
-"""How many lines a child may still write into the log within this second."""
+"""Limit the lines that a child may write into the log per second."""
 
 __all__ = ["LineBudget"]
 
@@ -6,21 +6,21 @@ _NS_PER_S = 1_000_000_000
 
 
 class LineBudget:
-    """Lines for a second, and the count of those that were left out."""
+    """Lines left for a second, and the count of those left out."""
 
     __slots__ = ("_per_s", "left", "left_out", "until_ns")
 
     def __init__(self, per_s: int) -> None:
         self._per_s = per_s
         self.left = per_s
-        """Lines that may still be written."""
+        """Number of lines that may still be written."""
         self.left_out = 0
-        """Lines that were too many."""
+        """Number of lines that were too many."""
         self.until_ns = 0
-        """When the next second begins, on the monotonic clock."""
+        """Start of the next second, on the monotonic clock."""
 
     def renew(self, now_ns: int) -> str:
-        """Begin a new second if it is time for it.
+        """Begin a new second if it is time.
 
         Returns:
             A line that says how many lines the last second left out; empty for none.

@@ -1,4 +1,4 @@
-"""One child of a manager: whether it lives, and how it ended."""
+"""One child of a manager: whether it runs, and how it ended."""
 
 import os
 import signal
@@ -23,31 +23,31 @@ _CANNOT_BE_STARTED = 126
 
 
 class ChildProcess:
-    """A child by its name; what is known of it is kept up to date by its supervisor."""
+    """A child process by its name; its supervisor keeps the attributes up to date."""
 
     def __init__(
         self, name: str, launch: Launch, policy: RestartPolicy, *, is_required: bool = False
     ) -> None:
         self.name = name
         self.pid: int | None = None
-        """The process of the command or node; its shell may have left others behind."""
+        """Process id of the command or node; its shell may have left others behind."""
         self.is_alive = False
-        """Whether anything of it runs."""
+        """Whether any of its processes runs."""
         self.exit_code: int | None = None
-        """How it ended the last time: a status, or less than 0 for a signal of that number."""
+        """Last exit code: a status, or less than 0 for a signal of that number."""
         self.is_required = is_required
-        """Whether the program ends when it ends for good."""
+        """Whether the program ends when this child ends for good."""
         self.restarts = Restarts(policy)
         self.launch = launch
 
     def __repr__(self) -> str:
-        """Name and condition."""
+        """Show name and condition."""
         state = f"pid {self.pid}" if self.is_alive else f"exit code {self.exit_code}"
         return f"<child {self.name}: {state}>"
 
 
 class Life:
-    """One life of a child, from its start to the end of the last process that descends from it.
+    """One run of a child, from its start to the end of the last process that descends from it.
 
     Everything here happens on the supervisor's thread.
     """
@@ -66,24 +66,24 @@ class Life:
         self.control = launched.control
         self.output = launched.output
         self.ended_fd = _watch(launched.guardian.pid)
-        """Readable once the guardian has ended; -1 where the system has no such thing."""
+        """Descriptor that is readable once the guardian has ended; -1 where the system has none."""
         self.lines = OutputLines(for_a_screen=child.launch.on_a_terminal)
         self.records = records
         self.tracebacks = Tracebacks()
         self.fault = ""
-        """Why it was stopped although nobody asked for the end of the program."""
+        """Reason why it was stopped although nobody asked for the end of the program."""
         self.why_not_started = ""
-        """Why nothing of it ever ran."""
+        """Reason why nothing of it ever ran."""
         self.was_told = False
-        """Whether somebody else has asked its guardian to stop it."""
+        """Whether another process has asked its guardian to stop it."""
         self.was_killed = False
-        """Whether it did not end before SIGKILL."""
+        """Whether it ended only with SIGKILL."""
         self.has_lost_guardian = False
-        """Whether its guardian did not see it to its end."""
+        """Whether its guardian ended before it did."""
         self.left = ""
-        """Process numbers that not even SIGKILL ended."""
+        """Process ids that not even SIGKILL ended."""
         self.is_reported = self.is_settled = False
-        """Whether its end has been written into the log, and what its end took."""
+        """Whether the log has its end, and the processes that ended with it."""
         self._clock = clock
         self._guardian = launched.guardian
         self._link = launched.link
@@ -95,18 +95,18 @@ class Life:
 
     @property
     def has_failed(self) -> bool:
-        """Whether it ended badly."""
+        """Whether it ended with a failure."""
         return self.child.exit_code != 0 or bool(self.fault)
 
     @property
     def may_be_a_stop(self) -> bool:
-        """Whether it looks as if somebody has stopped it, perhaps together with the manager."""
+        """Whether it may have been stopped from outside, perhaps together with the manager."""
         code = self.child.exit_code
         # Who is asked to stop may do so in order.
         return not self.fault and (self.was_told or code in _STOP_CODES or code == 0)
 
     def ask_to_stop(self) -> None:
-        """Have the guardian stop it."""
+        """Ask the guardian to stop it."""
         try:
             self.control.send(b"s")
         except OSError:
@@ -115,11 +115,11 @@ class Life:
         self.wake()
 
     def wake(self) -> None:
-        """Have the guardian go on if somebody has stopped it with SIGSTOP."""
+        """Continue the guardian if someone has stopped it with SIGSTOP."""
         self._guardian.send_signal(signal.SIGCONT)
 
     def hear(self) -> bool:
-        """Take in what the guardian says; false when it has said everything."""
+        """Read the guardian's messages; return False after the last one."""
         try:
             data = self.control.recv(4096)
         except BlockingIOError:
@@ -133,7 +133,7 @@ class Life:
         return bool(data)
 
     def finish(self) -> None:
-        """See the guardian off, and end whatever it has left behind."""
+        """Wait for the guardian's end, and end every process that it left behind."""
         self.control.close()
         if self.ended_fd >= 0:
             os.close(self.ended_fd)
@@ -147,14 +147,14 @@ class Life:
         self.child.exit_code = self._code() or failed
 
     def close(self) -> None:
-        """Give the rest back; after this nothing more comes from it."""
+        """Release the rest; after this nothing more comes from it."""
         os.close(self.output)
         if self._link is not None:
             self._link.close()
         self.child.is_alive = False
 
     def kill(self) -> None:
-        """End the guardian and whatever descends from it by force."""
+        """Kill the guardian and all of its descendants."""
         self._guardian.kill()
         self._guardian.wait()
         left = end_family(self.mark, self._clock)
@@ -185,7 +185,7 @@ class Life:
             self.left = ", ".join(values)
 
     def _code(self) -> int:
-        """The command's; or that of what it left in the background, if that failed."""
+        """Return the command's exit code, or that of a failed background process."""
         return self._own_code or self._other_code
 
 

@@ -1,21 +1,21 @@
-"""Runs one command, and sees to it that none of its processes outlives the manager.
+"""Run one command, and ensure that none of its processes outlives the manager.
 
-A script of its own, started as `python -I -S guardian.py CONTROL_FD MANAGER_PID LINK_FD ARGV...`;
-it imports nothing but the standard library. LINK_FD is handed on to a node, and -1 else.
+This is a separate script, started as `python -I -S guardian.py CONTROL_FD MANAGER_PID LINK_FD
+ARGV...`. It imports only the standard library. LINK_FD is handed on to a node; otherwise it is -1.
 
-Killing a shell leaves what it has put into the background, and killing a group leaves who has
-left the group. So the guardian adopts whatever descends from its command (on Linux, see
-PR_SET_CHILD_SUBREAPER in prctl(2)) and ends only when nothing of it is left.
+Killing a shell leaves its background processes, and killing a group leaves processes that have
+left the group. So the guardian adopts every descendant of its command (on Linux, see
+PR_SET_CHILD_SUBREAPER in prctl(2)). It ends only when none is left.
 
-It stops the command when the manager says so, and at once when the manager is gone. To the
-manager it says, in lines: `started PID`, `failed WHY` if it cannot be started, `ended PID CODE`
-(negative: that signal), `told NUMBER` when a signal has asked the guardian itself to stop,
-`killed`, and `left PID ...` for processes that even SIGKILL did not end.
+It stops the command when the manager says so, and at once when the manager is gone. It reports to
+the manager in lines. `started PID` and `failed WHY` report the start, and `ended PID CODE` an end
+(negative: that signal). `told NUMBER` means that a signal has asked the guardian itself to stop.
+`killed` reports a SIGKILL, and `left PID ...` processes that even SIGKILL did not end.
 
-The guardian may be killed too. So that the manager can tell what it leaves behind, it takes the
-label of the mark in its environment (see `mark.py`) as its limit of file locks. Linux enforces no
-such limit, but every descendant inherits it, and neither a cleaned environment, nor another
-session, nor another name takes it away.
+The guardian may be killed too. The manager must then recognise the processes left behind. So the
+guardian sets the label of the mark in its environment (see `mark.py`) as its limit of file locks.
+Linux enforces no such limit, but every descendant inherits it. A cleaned environment, another
+session or another name does not remove it.
 """
 
 import ctypes
@@ -36,7 +36,7 @@ LADDER = ((signal.SIGINT, 2.0), (signal.SIGTERM, 1.0), (SIGKILL, 1.0))
 # The same when nobody waits for a proper end any more.
 SHORT_LADDER = ((signal.SIGINT, 0.4), (signal.SIGTERM, 0.4), (SIGKILL, 1.0))
 PATIENCE_S = sum(seconds for _, seconds in LADDER)
-"""The longest that a stop takes."""
+"""Maximum time of a stop."""
 
 # Who is being killed may still start others: look again this often.
 _KILL_AGAIN_S = 0.05
@@ -44,11 +44,11 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _IS_LINUX = sys.platform == "linux"
 _RLIMIT_LOCKS = 10
 MARK_VARIABLE = "ROSBASE_CHILD_MARK"
-"""The environment variable by which the descendants of a manager are known; see `mark.py`."""
+"""Environment variable that marks the descendants of a manager; see `mark.py`."""
 
 
 class Guardian:
-    """One command, its descendants, and the way to their end."""
+    """Runs one command and ends all of its descendants."""
 
     def __init__(self, control: int, manager_pid: int) -> None:
         self._control = control
@@ -70,7 +70,7 @@ class Guardian:
             self._poll.register(fd, select.POLLIN)
 
     def run(self, argv: list[str], link: int) -> None:
-        """Start the command and return when nothing is left of it."""
+        """Start the command, and return when none of its processes is left."""
         try:
             self._command = _start(argv, holds_signals=link >= 0)
         except OSError as error:
@@ -138,7 +138,7 @@ class Guardian:
         return 1000 * (min(left_s, _KILL_AGAIN_S) if self._is_killing else left_s) + 1
 
     def _reap(self) -> bool:
-        """Reports who has ended; tells whether anybody is left."""
+        """Report ended processes; return whether any is left."""
         while True:
             try:
                 pid, status = os.waitpid(-1, os.WNOHANG)
@@ -195,7 +195,7 @@ def _stops() -> set[int]:
 
 
 def _label() -> None:
-    """Have this process, and whatever descends from it, carry the label of the mark."""
+    """Put the label of the mark on this process and its descendants."""
     mark = os.environ.get(MARK_VARIABLE)
     if not mark or sys.platform != "linux":
         return
@@ -214,9 +214,9 @@ def _prctl(option: int, value: int) -> None:
 
 
 def _watch(pid: int) -> list[int]:
-    """A descriptor that becomes readable when that process is gone, where there is such a thing.
+    """Return a descriptor that becomes readable when that process ends, if the system has one.
 
-    A closed socket says so too, unless somebody whom the manager forked holds on to it.
+    A closed socket shows the end too, unless a process that the manager forked still holds it.
     """
     try:
         watched = [os.pidfd_open(pid)]
@@ -236,7 +236,7 @@ def _read(fd: int) -> bytes:
 
 
 def _descendants() -> list[int]:
-    """Everybody who descends from this process and has not ended; none but on Linux."""
+    """Return all descendants of this process that have not ended; none except on Linux."""
     parents = {pid: int(fields[1]) for pid, fields in _all_processes().items()}
     family = {os.getpid()}
     while grown := {pid for pid, parent in parents.items() if parent in family} - family:
@@ -254,7 +254,7 @@ def _all_processes() -> dict[int, list[bytes]]:
 
 
 def has_ended(fields: list[bytes]) -> bool:
-    """Whether nothing of a process runs, by what `stat_of` gave."""
+    """Return whether a process has ended completely, from the result of `stat_of`."""
     # The process of a main thread that has ended before the others looks like a zombie.
     return fields[0] in (b"Z", b"X") and int(fields[17]) <= 1
 
@@ -297,7 +297,7 @@ def _ignoring_absence(kill: Callable[[int, int], None], whom: int, number: int) 
 
 
 def main() -> None:
-    """Guards the command that the arguments name."""
+    """Run and guard the command that the arguments name."""
     control, manager_pid, link = (int(number) for number in sys.argv[1:4])
     os.set_inheritable(control, False)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)

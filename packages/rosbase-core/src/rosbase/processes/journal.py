@@ -1,4 +1,4 @@
-"""What the log says of children: their output, their records, how they end, what follows."""
+"""The log of child processes: their output, records, ends and restarts."""
 
 import logging
 from collections.abc import Iterable
@@ -10,13 +10,13 @@ __all__ = ["Journal"]
 
 
 class Journal:
-    """Writes about children into a log, each line with the name of its child."""
+    """Writes about children into a log; each line has the name of its child."""
 
     def __init__(self, logger: RosbaseLogger) -> None:
         self.logger = logger
-        """Where it is written. A manager puts its own logger here."""
+        """Logger for the lines. A manager puts its own logger here."""
         self.is_ending = False
-        """Whether the program is ending. Then the ends of children are no news."""
+        """Whether the program is ending. Then the ends of children are not logged."""
 
     def write(self, level: int, name: str, text: str) -> None:
         """Write one line about a child."""
@@ -29,14 +29,14 @@ class Journal:
         methods.get(level, self.logger.info)(f"{name}: {text}")
 
     def write_output(self, life: Life, lines: Iterable[str]) -> None:
-        """Write what a child has written; the tracebacks in it are errors."""
+        """Write the output of a child; log its tracebacks as errors."""
         for line in lines:
             # Python says with a traceback that it was interrupted, which is how a stop begins.
             is_error = life.tracebacks.is_part(line) and not self.is_ending
             self.write(logging.ERROR if is_error else logging.INFO, life.child.name, line)
 
     def write_end(self, life: Life) -> None:
-        """Write how a child has ended, once; and what its end took, when all of it has ended."""
+        """Write how a child has ended, once; and its other ended processes, when all have ended."""
         child, code = life.child, life.child.exit_code
         if code is not None and not life.is_reported:
             life.is_reported = True
@@ -56,12 +56,12 @@ class Journal:
             self.write(logging.ERROR, child.name, f"could not be killed: {life.left}")
 
     def write_restart(self, child: ChildProcess, delay_s: float) -> None:
-        """Write when a child is started again."""
+        """Write that a child is started again."""
         count = f"{child.restarts.in_a_row} of {child.restarts.policy.limit}"
         self.write(logging.WARNING, child.name, f"starting again in {delay_s:.1f} s ({count})")
 
     def write_last_end(self, child: ChildProcess) -> None:
-        """Write that a child is not started again, if that is worth saying."""
+        """Write that a child is not started again, if that matters."""
         if child.restarts.has_given_up:
             text = f"not started again: {child.restarts.in_a_row} in a row"
             self.write(logging.ERROR, child.name, text)

@@ -1,6 +1,6 @@
-"""What follows from the end of a child: a new start, the end of the program, or nothing.
+"""Decide what follows the end of a child: a restart, the end of the program, or nothing.
 
-Reads no clock, starts nothing.
+This module reads no clock and starts nothing.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,10 +16,10 @@ _HESITATION_NS = 500_000_000
 
 
 class Judge:
-    """Decides about children that have ended, until the program itself is asked to end.
+    """Decides about ended children, until the program itself is asked to end.
 
-    A child that seems to have been stopped from outside is judged half a second later, and so is
-    one that is required. If the manager is asked to stop until then, nothing follows.
+    A required child, and one that seems to have been stopped from outside, are judged half a
+    second later. If the manager is asked to stop by then, nothing follows.
     """
 
     def __init__(self, journal: Journal) -> None:
@@ -32,22 +32,22 @@ class Judge:
 
     @property
     def status(self) -> int:
-        """The status with which the program ends: that of the first required child that ended."""
+        """Exit status of the program: that of the first required child that ended."""
         return self._status or 0
 
     @property
     def due_ns(self) -> int | None:
-        """When there is something to do, on the monotonic clock."""
+        """Time of the next decision, on the monotonic clock."""
         return min([*(due for due, *_ in self._later), *self._starts.values()], default=None)
 
     def have_called(self, on_required_end: Callable[[], object]) -> None:
-        """Have that called when a required child ends for good; at once if one has ended."""
+        """Call a function when a required child ends for good; at once if one has ended."""
         self._on_required_end = on_required_end
         if self._status is not None:
             on_required_end()
 
     def ended(self, life: Life, now_ns: int) -> None:
-        """Take in that a child has ended."""
+        """Note that a child has ended."""
         ran_s = (now_ns - life.started_ns) / _NS_PER_S
         if not life.may_be_a_stop or not life.has_failed:
             self._journal.write_end(life)
@@ -57,11 +57,11 @@ class Judge:
             self._judge(life, now_ns, ran_s)
 
     def could_not_start(self, child: ChildProcess, now_ns: int) -> None:
-        """Take in that a child could not be started again."""
+        """Note that a child could not be started again."""
         self._decide(child, now_ns, failed=True, ran_s=0.0, status=1)
 
     def to_start(self, now_ns: int) -> Iterator[ChildProcess]:
-        """Judge whose time has come, and give the children that are to be started now."""
+        """Judge children whose time has come; return the ones to start now."""
         waiting, self._later = self._later, []
         for due_ns, life, ran_s in waiting:
             if due_ns <= now_ns or self._journal.is_ending:
@@ -74,7 +74,7 @@ class Judge:
                 yield child
 
     def close(self) -> None:
-        """Have nothing more follow; write what has not been judged yet."""
+        """Stop judging; write pending ends to the log."""
         for _, life, _ in self._later:
             self._journal.write_end(life)
         self._later.clear()
@@ -102,6 +102,6 @@ class Judge:
 
 
 def _status_of(life: Life) -> int:
-    """Return the exit status of a life, as a shell would give it."""
+    """Return the exit status of a run, as a shell would give it."""
     code = life.child.exit_code or 0
     return code if code > 0 else 128 - code if code else int(life.has_failed)

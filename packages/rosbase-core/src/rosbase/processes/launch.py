@@ -1,4 +1,4 @@
-"""Starts a child under its guardian: a shell command, or a node in a Python of its own."""
+"""Start a child under its guardian: a shell command, or a node in its own Python."""
 
 import errno
 import multiprocessing
@@ -42,38 +42,41 @@ _ON_A_TERMINAL = {"TERM": "dumb"}
 
 @frozen
 class Order:
-    """What a launch is given: by what its processes are known, and who hears of them."""
+    """Arguments of a launch: the mark of its processes, and the callbacks."""
 
     mark: Mark
-    """What all of them carry."""
+    """Mark that all of its processes carry."""
     on_record: Callable[[int, str], object]
-    """Called with level and text of what a node logs, on a thread of its link."""
+    """Called with level and text of each record of a node, on a thread of its link."""
     on_fault: Callable[[str], object]
-    """Called, on a thread of its link, when a node sends what nobody can read."""
+    """Called, on a thread of its link, when a node sends unreadable data."""
 
 
 @frozen
 class Launched:
-    """A child that has just been started, and the ends of what connects it to this process."""
+    """A child that has just been started, and its connections to this process."""
 
     guardian: "subprocess.Popen[bytes]"
     control: socket.socket
-    """To the guardian: a byte stops the child, closing it too. From it: what happens."""
+    """Connection to the guardian: a byte stops the child, and so does closing it.
+
+    It delivers the guardian's reports.
+    """
     output: int
-    """Descriptor from which comes what the child writes."""
+    """Descriptor of the child's output."""
     link: Link | None
-    """The topics that it shares with this process, if it is a node."""
+    """Topics that it shares with this process, if it is a node."""
 
 
 class Launch(ABC):
-    """How to start one child, any number of times."""
+    """Description of how to start one child, any number of times."""
 
     on_a_terminal: bool = False
-    """Whether it writes to a terminal of its own, and not into a pipe."""
+    """Whether it writes to its own terminal instead of a pipe."""
 
     @abstractmethod
     def start(self, order: Order) -> Launched:
-        """Start it.
+        """Start the child.
 
         Raises:
             OSError: The machine has no more processes, threads or descriptors to give.
@@ -88,14 +91,14 @@ class CommandLaunch(Launch):
     on_a_terminal: bool = field(default=False, kw_only=True)
 
     def start(self, order: Order) -> Launched:
-        """Start it; a command does not log, it writes."""
+        """Start the command. A command writes output, but no records."""
         argv = ["/bin/sh", "-c", self.command]
         return _start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
 
 
 @frozen
 class NodeLaunch(Launch):
-    """Starts a Python that makes a node of a class and spins it."""
+    """Starts a Python process that makes a node of a class and spins it."""
 
     name: str
     pickled_class: bytes
@@ -106,7 +109,7 @@ class NodeLaunch(Launch):
     def of(
         cls, name: str, node_class: Any, log_level: int, *, on_a_terminal: bool = False
     ) -> "NodeLaunch":
-        """Find out now what the child would otherwise find out.
+        """Return the launch of a class, after checking what the child would otherwise find out.
 
         Raises:
             ConfigurationError: Another process cannot find the class.
@@ -125,7 +128,7 @@ class NodeLaunch(Launch):
         return cls(name, pickled, log_level, on_a_terminal=on_a_terminal)
 
     def start(self, order: Order) -> Launched:
-        """Start it."""
+        """Start the node."""
         surroundings = _surroundings(self.name)
         node = (self.pickled_class, self.name, self.log_level)
         with ExitStack() as undo:
@@ -148,7 +151,7 @@ class NodeLaunch(Launch):
 
 
 def _surroundings(name: str) -> dict[str, Any]:
-    """Return what multiprocessing tells a child, so that it finds and imports the main module.
+    """Return multiprocessing's data for a child, which lets it find and import the main module.
 
     Raises:
         FileNotFoundError: The working directory does not exist any more.
@@ -194,10 +197,10 @@ def _start_guarded(
 
     Args:
         argv: The command.
-        order: What it is started for.
+        order: Arguments of the launch.
         on_a_terminal: Whether it writes to a terminal.
         link_fd: A descriptor that the command inherits, or -1.
-        folder: Where it is started; in the working directory if not given.
+        folder: Folder where it is started; by default the working directory.
     """
     own = _ON_A_TERMINAL if on_a_terminal else {}
     with ExitStack() as undo, ExitStack() as for_the_child:

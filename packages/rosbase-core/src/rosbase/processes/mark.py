@@ -1,9 +1,9 @@
-"""The mark by which the descendants of a child are known, when nobody else knows of them any more.
+"""The mark that identifies the descendants of a child if no other record of them is left.
 
-Each life of a child has a mark of its own, in the environment of its guardian, and so of whatever
-descends from it. A manager that is a child itself adds its marks to those that it has inherited,
-so the variable holds one or more of them, the outermost first. The label of the innermost stands
-in the limits of the descendants too; see `guardian.py`.
+Each run of a child has its own mark, in the environment of its guardian, and so of all
+descendants. A manager that is a child itself adds its marks to those that it has inherited. So the
+variable holds one or more marks, the outermost first. The label of the innermost is in the limits
+of the descendants too; see `guardian.py`.
 """
 
 import os
@@ -28,19 +28,19 @@ _LIMIT = re.compile(rb"^Max file locks +(\d+)", re.MULTILINE)
 
 @frozen
 class Mark:
-    """One life of a child: whose, and of which program."""
+    """One run of a child: its name, its manager and its program."""
 
     label: int
-    """The number of this life, which no other has."""
+    """Unique number of this run."""
     manager: tuple[int, int]
-    """Process number of the manager, and when it began, in the ticks of proc(5)."""
+    """Process id of the manager, and its start time in the ticks of proc(5)."""
     program: str
-    """The program, as `program_identity` names it."""
+    """Program, as `program_identity` names it."""
     name: str
-    """The name of the child."""
+    """Name of the child."""
 
     def __str__(self) -> str:
-        """Return the mark as it stands in the environment: without white space."""
+        """Return the mark as written in the environment: without white space."""
         pid, began = self.manager
         return f"{self.label:x}.{pid}.{began}.{self.program}.{quote(self.name, safe='')}"
 
@@ -50,7 +50,7 @@ class Marks:
 
     def __init__(self) -> None:
         self.program = program_identity()
-        """The program that runs here."""
+        """Program that runs here."""
         stat = stat_of(os.getpid())
         self._manager = (os.getpid(), began_at(stat) if stat else 0)
 
@@ -61,7 +61,7 @@ class Marks:
 
 
 def marked_environment(mark: Mark) -> dict[str, str]:
-    """Return the environment of this process with the mark added to those that are there."""
+    """Return the environment of this process, with the mark added to the existing ones."""
     inherited = os.environ.get(MARK_VARIABLE, "").split()
     return {**os.environ, MARK_VARIABLE: " ".join([*inherited, str(mark)])}
 
@@ -98,10 +98,10 @@ def label_in(limits: bytes, program: str = "") -> int | None:
 
 
 def program_identity() -> str:
-    """Return a short name for the program that runs here: the same each time that it is started.
+    """Return a short name for the program that runs here: the same at every start.
 
-    It is made of the path of the main module, and of the command line where there is no such
-    module; and of the namespace of process numbers, since a container counts its own.
+    It is made from the path of the main module, or from the command line if there is no such
+    module. It also contains the namespace of process ids, because a container counts its own.
     """
     main = getattr(sys.modules.get("__main__"), "__file__", None)
     program = os.path.realpath(main) if main else "\0".join(sys.orig_argv)

@@ -1,4 +1,4 @@
-"""What a node's own process does. Its bootstrap is in `launch.py`."""
+"""The main program of a node's own process. Its bootstrap is in `launch.py`."""
 
 import logging
 import os
@@ -32,7 +32,7 @@ class _ToManager(logging.Handler):
 
 
 def main(connection: "Connection[Any, Any]") -> None:
-    """Makes the node that the manager asks for, and spins it until it is stopped."""
+    """Make the node that the manager asks for, and spin it until it is stopped."""
     for number in _SIGNALS:
         # While modules are imported and the node is built; spinning has its own way.
         signal.signal(number, _leave)

@@ -1,4 +1,4 @@
-"""What a child writes, as lines for the log. Bytes in, texts out; bounded whatever comes."""
+"""A child's output as lines for the log. Bytes in, texts out; always bounded."""
 
 import re
 from collections.abc import Iterator
@@ -18,14 +18,13 @@ _FOR_A_SCREEN = re.compile(
 
 
 class OutputLines:
-    """Cuts output into lines, and keeps the log readable.
+    """Splits output into lines, and keeps the log readable.
 
-    A carriage return ends a line too, and a line that has been begun is shown after a second, since
-    nobody knows whether it will be continued. A line that is too long is cut, and one that is too
-    many in a second is left out; both are said. The last of the lines that were left out are kept,
-    for a child that crashes. Colours are left out, and whatever else cannot be printed, such as
-    what clears a screen, moves the cursor or sets a title, is shown as escapes; so are bytes that
-    are not UTF-8.
+    A carriage return ends a line too. An incomplete line is shown after a second, since it may
+    never be continued. A line that is too long is cut, and lines beyond the limit per second
+    are left out; the log says both. The last of the left-out lines are kept, for a child that
+    crashes. Colours are removed. Other control characters, such as those that clear a screen,
+    move the cursor or set a title, are shown as escapes. So are bytes that are not UTF-8.
     """
 
     __slots__ = (
@@ -46,13 +45,13 @@ class OutputLines:
         *,
         for_a_screen: bool = False,
     ) -> None:
-        """Start empty.
+        """Start without output.
 
         Args:
-            max_line_bytes: Bytes of a line that are shown.
-            max_lines_per_s: Lines that are shown in a second.
-            for_a_screen: Whether the child thinks that it writes to a terminal. What is meant for
-                a screen is then left out like colours.
+            max_line_bytes: Maximum bytes of a line.
+            max_lines_per_s: Maximum lines per second.
+            for_a_screen: Whether the child thinks that it writes to a terminal. Then screen
+                control is removed, like colours.
         """
         self._max_bytes = max_line_bytes
         self._budget = LineBudget(max_lines_per_s)
@@ -65,7 +64,7 @@ class OutputLines:
 
     @property
     def due_ns(self) -> int | None:
-        """When `tick` has something to give if nothing comes before, on the monotonic clock."""
+        """Time at which `tick` has lines if no output comes before, on the monotonic clock."""
         budget = self._budget
         if self._partial:
             begun_ns = self._begun_ns + _BEGUN_NS
@@ -73,7 +72,7 @@ class OutputLines:
         return budget.until_ns if budget.left_out else None
 
     def feed(self, data: bytes, now_ns: int) -> Iterator[str]:
-        """Take what was read at `now_ns` (monotonic) and give the lines to log, in order."""
+        """Take output read at `now_ns` (monotonic); return the lines to log, in order."""
         yield from self._renew(now_ns)
         data = self._with_plain_ends(data)
         begin = 0
@@ -88,16 +87,16 @@ class OutputLines:
         self._keep(data[begin:])
 
     def tick(self, now_ns: int) -> Iterator[str]:
-        """Give what has waited for long enough: a line that was begun, a count of others."""
+        """Return lines that have waited long enough: an incomplete line, a count of others."""
         yield from self._renew(now_ns)
         if self._partial and self._budget.left and now_ns >= self._begun_ns + _BEGUN_NS:
             yield from self._line(b"")
 
     def finish(self, *, last_words: bool = False) -> Iterator[str]:
-        """Give the line that was begun, and what was left out, when the output has ended.
+        """Return the incomplete line, and the left-out lines, when the output has ended.
 
         Args:
-            last_words: Whether to give the last of the lines that were left out as well.
+            last_words: Whether to return the last of the left-out lines as well.
         """
         kept = self._tail.splitlines() if last_words else []
         if len(self._tail) >= _LAST_WORDS_BYTES:
@@ -116,7 +115,7 @@ class OutputLines:
         yield from filter(None, [self._budget.renew(now_ns)])
 
     def _with_plain_ends(self, data: bytes) -> bytes:
-        r"""Have all lines end in `\n`, also where `\r\n` came in two parts."""
+        r"""Convert all line ends to `\n`, also where `\r\n` came in two parts."""
         if self._after_return and data[:1] == b"\n":
             data = data[1:]
             self._after_return = False

@@ -1,4 +1,4 @@
-"""What proc(5) says of the processes of this machine; nothing where there is no such thing."""
+"""Processes of this machine from proc(5); empty where the system has none."""
 
 import os
 
@@ -10,7 +10,7 @@ _PARENT, _BEGAN = 1, 19
 
 
 def everybody() -> dict[int, list[bytes]]:
-    """Return what `stat_of` gives for every process, those that wait to be reaped included."""
+    """Return the `stat_of` result of every process, including zombies."""
     try:
         names = os.listdir("/proc")
     except OSError:
@@ -21,20 +21,20 @@ def everybody() -> dict[int, list[bytes]]:
 
 
 def parent_in(stat: list[bytes]) -> int:
-    """Return the parent of a process, by what `stat_of` gave."""
+    """Return the parent of a process, from the result of `stat_of`."""
     return int(stat[_PARENT])
 
 
 def began_at(stat: list[bytes]) -> int:
-    """Return when a process began, in ticks since the machine did, by what `stat_of` gave.
+    """Return the start time of a process in ticks since the boot, from the result of `stat_of`.
 
-    Process numbers are used again; together with this they are not.
+    Process ids are used again; together with the start time they are unique.
     """
     return int(stat[_BEGAN])
 
 
 def read_of(pid: int, name: str) -> bytes:
-    """Return a file of a process; nothing if it has ended, or belongs to another user."""
+    """Return a file of a process; empty if it has ended, or belongs to another user."""
     try:
         with open(f"/proc/{pid}/{name}", "rb") as file:
             return file.read()

@@ -1,4 +1,4 @@
-"""What a node logs in a process of its own, as lines for the log; bounded as its output is."""
+"""Records of a node in its own process, as lines for the log; bounded as its output is."""
 
 import logging
 from collections.abc import Iterator
@@ -11,19 +11,20 @@ _MAX_TEXT = 65_536
 
 
 class RecordLines:
-    """Cuts records into lines, and leaves out what is too much.
+    """Splits records into lines, and limits their number.
 
-    A line that is too long is cut, and one that is too many in a second is left out; both are
-    said. Errors have a budget of their own, so that a flood of others does not hide them.
+    A line that is too long is cut, and lines beyond the limit per second are left out; the log
+    says both. Errors have their own limit, so that a flood of other records does not hide
+    them.
     """
 
     def __init__(self, max_line: int = 4096, max_lines_per_s: int = 500) -> None:
-        """Start empty, with the limits in characters to a line and lines to a second."""
+        """Start without records. The limits are characters per line and lines per second."""
         self._max_line = max_line
         self._usual, self._errors = LineBudget(max_lines_per_s), LineBudget(max_lines_per_s)
 
     def take(self, level: int, text: str, now_ns: int) -> Iterator[tuple[int, str]]:
-        """Take a record that came at `now_ns` (monotonic) and give level and text of lines."""
+        """Take a record that came at `now_ns` (monotonic); return level and text of lines."""
         budget = self._errors if level >= logging.ERROR else self._usual
         if left_out := budget.renew(now_ns):
             yield level, left_out
@@ -35,7 +36,7 @@ class RecordLines:
                 yield level, line
 
     def finish(self) -> Iterator[tuple[int, str]]:
-        """Give the counts of what was left out, when no more records come."""
+        """Return the counts of left-out lines, when no more records come."""
         for level, budget in ((logging.INFO, self._usual), (logging.ERROR, self._errors)):
             if left_out := budget.settle():
                 yield level, left_out

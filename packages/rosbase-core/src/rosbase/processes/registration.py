@@ -1,4 +1,4 @@
-"""The two functions that programs call, and the children that nobody has claimed yet."""
+"""The two functions that programs call, and the children that no manager has claimed yet."""
 
 import atexit
 import os
@@ -36,24 +36,24 @@ class ChildProcesses(Mapping[str, ChildProcess]):
         self._supervisor = Supervisor(list(children.values()), logger) if children else None
 
     def __getitem__(self, name: str) -> ChildProcess:
-        """The child of that name."""
+        """Return the child of that name."""
         return self._children[name]
 
     def __iter__(self) -> Iterator[str]:
-        """The names, in order of registration."""
+        """Iterate over the names, in order of registration."""
         return iter(self._children)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of children."""
         return len(self._children)
 
     @property
     def exit_status(self) -> int:
-        """The status of the first required child that ended for good; 0 while there is none."""
+        """Exit status of the first required child that ended for good; 0 while there is none."""
         return self._supervisor.judge.status if self._supervisor is not None else 0
 
     def start(self) -> None:
-        """Start them all.
+        """Start all children.
 
         Raises:
             OSError: One could not be started. Those before it have been stopped.
@@ -64,7 +64,7 @@ class ChildProcesses(Mapping[str, ChildProcess]):
             _unclaimed.append(self)
 
     def claim(self, logger: RosbaseLogger, on_required_end: Callable[[], object]) -> None:
-        """Make them the children of a manager, which stops them, and in whose log they write.
+        """Hand the children to a manager, which stops them and logs their output.
 
         Args:
             logger: The logger of the manager.
@@ -77,16 +77,16 @@ class ChildProcesses(Mapping[str, ChildProcess]):
             self._supervisor.judge.have_called(on_required_end)
 
     def stopping_soon(self) -> None:
-        """Take note that a stop has been asked for: no end of a child has consequences any more.
+        """Note that a stop was requested: the end of a child has no consequences any more.
 
-        It is not judged, the child is not started again, and the program does not end for it.
-        May be called from any thread and from a signal handler, any number of times.
+        The child is not started again, and the program does not end because of it. Call it
+        from any thread or signal handler, any number of times.
         """
         if self._supervisor is not None:
             self._supervisor.stopping_soon()
 
     def shutdown(self) -> None:
-        """Stop them all, in bounded time. Harmless when done."""
+        """Stop all children, in bounded time. Do nothing if they are stopped."""
         if self._supervisor is not None:
             self._supervisor.stop()
         if self in _unclaimed:
@@ -110,34 +110,34 @@ def register_multiprocess_nodes(
     pty: Chosen = False,
     logger: RosbaseLogger | None = None,
 ) -> ChildProcesses:
-    """Start nodes and shell commands in processes of their own.
+    """Start nodes and shell commands in child processes.
 
-    Give the result to `start_main_loop_timer`, which stops them when the manager ends. If the
-    manager cannot be built, or the program ends otherwise, they are stopped too; and also when
-    it is killed, on Linux.
+    Pass the result to `start_main_loop_timer`, which stops them when the manager ends. They
+    are also stopped if the manager cannot be built, if the program ends in another way and, on
+    Linux, if it is killed.
 
     Args:
         mp_nodes_dict: Node classes by name. Each is made without arguments, in a new Python
-            process, on the backend that `ROSBASE_BACKEND` names; its node has the name of the key.
-            The topics of the local backend reach from there to here and back.
+            process, on the backend that `ROSBASE_BACKEND` names. The key is the name of its node.
+            Topics of the local backend are shared between the processes.
         cmds_dict: Commands for `/bin/sh` by name, with pipes and a trailing `&` if you like.
-        restart: What to do when one ends by itself: `never`, `on-failure`, `always` or a
+        restart: What to do when a child ends by itself: `never`, `on-failure`, `always` or a
             `RestartPolicy`; for all of them, or by name.
-        required: The children without which the program is not to go on: their names, or True
-            for all. When one ends for good, whatever its status, the manager cleans up and the
-            program ends with that status.
+        required: The children that the program requires: their names, or True for all. When one
+            ends for good, with any status, the manager cleans up and the program ends with that
+            status.
         pty: The children that get a pseudo-terminal for their output: their names, or True for
-            all. For programs that keep back their output, or change it, where it is a pipe.
-        logger: Where output and ends are written until a manager puts its own in its place.
+            all. For programs that buffer or change their output if it is a pipe.
+        logger: Logs output and ends until a manager replaces it with its own.
 
     Returns:
         The children, by name.
 
     Raises:
-        BackendError: The name of a node is none that ROS would take.
-        ConfigurationError: A name stands for two, or is none of those given; or another
-            process cannot find a node's class; or this is not a POSIX system.
-        OSError: The machine refuses to start one. Those before it have been stopped.
+        BackendError: ROS would refuse the name of a node.
+        ConfigurationError: A name is used twice or unknown, another process cannot find a node's
+            class, or this is not a POSIX system.
+        OSError: The system refuses to start one. Those before it have been stopped.
         RuntimeError: This is the child itself, importing the program's main module.
     """
     if _refusal:
@@ -161,19 +161,22 @@ def register_multiprocess_nodes(
 
 
 def shutdown_multiprocess_nodes(processes: ChildProcesses | None) -> None:
-    """Stops the children: SIGINT, SIGTERM, SIGKILL, with bounded waits. Harmless when done."""
+    """Stop the children: SIGINT, SIGTERM, SIGKILL, with bounded waits.
+
+    Do nothing if they are stopped.
+    """
     if isinstance(processes, ChildProcesses):
         processes.shutdown()
 
 
 def shutdown_unclaimed() -> None:
-    """Stops the children that no manager has taken over. Called when one cannot be built."""
+    """Stop the children that no manager has taken over. Called when one cannot be built."""
     for processes in list(_unclaimed):
         processes.shutdown()
 
 
 def refuse_registration(why: str) -> None:
-    """Has every registration raise RuntimeError with that message; an empty one ends this."""
+    """Make every registration raise RuntimeError with that message; an empty one ends this."""
     global _refusal  # noqa: PLW0603 - it concerns the process
     _refusal = why
 

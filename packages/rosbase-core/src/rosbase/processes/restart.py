@@ -1,4 +1,4 @@
-"""When a child that has ended is started again. Reads no clock, starts nothing."""
+"""Rules for restarting a child that has ended."""
 
 from typing import Literal, TypeAlias
 
@@ -18,30 +18,31 @@ class RestartPolicy:
     when: RestartWhen = field(
         default="never", validator=validators.in_(("never", "on-failure", "always"))
     )
-    """`on-failure` means after a status other than 0, or a signal."""
+    """Condition of a restart; `on-failure` means after a status other than 0, or a signal."""
     limit: int = field(default=5, kw_only=True, validator=validators.ge(0))
-    """So many restarts in a row, and no more."""
+    """Maximum number of restarts in a row."""
     first_delay_s: float = field(default=0.5, kw_only=True, validator=validators.ge(0))
-    """The first delay; each one is twice the one before, less a random part of up to half."""
+    """First delay in seconds; each one is twice the one before, less a random part of up to half.
+    """
     longest_delay_s: float = field(default=10.0, kw_only=True, validator=validators.ge(0))
-    """No delay is longer."""
+    """Maximum delay in seconds."""
     stable_s: float = field(default=10.0, kw_only=True, validator=validators.ge(0))
-    """Who has run for so long begins a new row."""
+    """Seconds of running after which a new row of restarts begins."""
 
 
 class Restarts:
-    """The restarts of one child, counted."""
+    """Counts the restarts of one child."""
 
     def __init__(self, policy: RestartPolicy) -> None:
         self.policy = policy
         self.in_a_row = 0
-        """Restarts since the child last ran for long enough."""
+        """Number of restarts since the child last ran for long enough."""
         self.has_given_up = False
-        """Whether the limit is what forbade the last restart."""
+        """Whether the limit prevented the last restart."""
         self._backoff = Backoff(policy.first_delay_s, policy.longest_delay_s)
 
     def after_end(self, *, failed: bool, ran_s: float) -> float | None:
-        """The delay in seconds until the next start, or None if there is to be none."""
+        """Return the delay in seconds until the next start, or None for no restart."""
         if self.policy.when == "never" or (self.policy.when == "on-failure" and not failed):
             return None
         if ran_s >= self.policy.stable_s:

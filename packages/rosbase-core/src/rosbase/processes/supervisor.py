@@ -1,4 +1,4 @@
-"""Watches over the children of a manager, on one thread: output, ends, restarts, the stop."""
+"""Watch the children of a manager on one thread: output, ends, restarts, the stop."""
 
 import errno
 import logging
@@ -33,7 +33,7 @@ _MOST_LAST_READS = 32
 
 
 class Supervisor:
-    """Starts children, and is there for them until all are stopped."""
+    """Starts children, and serves them until all are stopped."""
 
     def __init__(
         self, children: Sequence[ChildProcess], logger: RosbaseLogger, clock: Clock | None = None
@@ -81,14 +81,14 @@ class Supervisor:
         self._has_begun.set()
 
     def stopping_soon(self) -> None:
-        """Have nothing follow from the end of a child any more: a stop has been asked for.
+        """Stop acting on the ends of children: a stop has been requested.
 
-        May be called from any thread, and from a signal handler.
+        Call it from any thread or signal handler.
         """
         self.journal.is_ending = True
 
     def stop(self) -> None:
-        """Stop every child and return when none is left, in bounded time. Idempotent."""
+        """Stop every child, and return when none is left, in bounded time. Idempotent."""
         with self._stop_lock:
             if self._wake_w < 0:
                 return
@@ -195,7 +195,7 @@ class Supervisor:
             self._selector.unregister(source)
 
     def _read(self, life: Life) -> bool:
-        """Log what there is to read; false if there is nothing now."""
+        """Log available output; return False if there is none now."""
         try:
             number = os.readv(life.output, [self._buffer])
         except BlockingIOError:
@@ -229,7 +229,7 @@ class Supervisor:
         self.judge.ended(life, self._clock.monotonic_ns())
 
     def _bury(self, life: Life) -> None:
-        """Take in its last words, and give back what belonged to it."""
+        """Read a child's last output, and release its resources."""
         self._lives.remove(life)
         for source in (life.control, life.output, life.ended_fd):
             self._ignore(source)

@@ -1,7 +1,7 @@
-"""Names the processes that an earlier run of the program has left behind.
+"""Name the processes that an earlier run of the program has left behind.
 
-When manager and guardians are killed together, as by `killall -9 python3`, nobody is there to end
-what descends from a child. The next run of the program finds it by its mark.
+When manager and guardians are killed together, as by `killall -9 python3`, nothing ends the
+descendants of a child. The next run of the program finds them by their mark.
 """
 
 import logging
@@ -24,19 +24,19 @@ _SOMEBODY = "a child"
 
 @frozen
 class Survivor:
-    """A process that descends from a child of a manager that is dead."""
+    """A process that descends from a child of a dead manager."""
 
     pid: int
     name: str
-    """The name of the child."""
+    """Name of the child."""
     command: str
-    """Its command line, as it shows it."""
+    """Command line, as the process shows it."""
 
 
 def find_survivors(program: str) -> list[Survivor]:
     """Return the processes that earlier runs of a program have left behind.
 
-    Whoever descends from a guardian or a manager is none of them: it is taken care of.
+    Descendants of a running guardian or manager are left out, because it takes care of them.
     """
     alive = {pid: stat for pid, stat in everybody().items() if not has_ended(stat)}
     words = {pid: read_of(pid, "cmdline").split(b"\0") for pid in alive}
@@ -54,7 +54,7 @@ def find_survivors(program: str) -> list[Survivor]:
 
 
 def name_survivors(program: str, journal: Journal) -> None:
-    """Write a line about each process that earlier runs of a program have left behind."""
+    """Log a line about each process that earlier runs of a program have left behind."""
     survivors = find_survivors(program)
     for survivor in survivors[:_MOST_NAMED]:
         text = f"an earlier run has left process {survivor.pid} behind: {survivor.command}"
@@ -65,7 +65,7 @@ def name_survivors(program: str, journal: Journal) -> None:
 
 
 def _manager_of(words: list[bytes]) -> int:
-    """Return the manager of a guardian by the command line of the guardian; 0 if it is none."""
+    """Return the manager of a guardian from the guardian's command line; 0 if it is not one."""
     for place, word in enumerate(words[:-2]):
         if word.endswith(_GUARDIAN) and words[place + 2].isdigit():
             return int(words[place + 2])
@@ -73,7 +73,7 @@ def _manager_of(words: list[bytes]) -> int:
 
 
 def _child_of(pid: int, program: str, alive: dict[int, list[bytes]]) -> str | None:
-    """Return the name of the child of a dead manager from which a process descends, if it does."""
+    """Return the name of the dead manager's child from which a process descends, if it does."""
     for mark in marks_in(read_of(pid, "environ")):
         number, began = mark.manager
         if mark.program == program:
@@ -84,7 +84,7 @@ def _child_of(pid: int, program: str, alive: dict[int, list[bytes]]) -> str | No
 
 
 def _has(alive: dict[int, list[bytes]], pid: int, keepers: set[int]) -> bool:
-    """Whether a process is one of the keepers, or descends from one."""
+    """Return whether a process is one of the keepers, or descends from one."""
     while pid in alive and pid not in keepers:
         pid = parent_in(alive[pid])
     return pid in keepers

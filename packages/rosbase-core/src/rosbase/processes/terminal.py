@@ -1,4 +1,4 @@
-"""A terminal of its own for a child that behaves differently when its output is a pipe."""
+"""A pseudo-terminal for a child that behaves differently when its output is a pipe."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ _ROWS, _COLUMNS = 24, 120
 
 
 def open_terminal() -> tuple[int, int]:
-    """Open a pseudo-terminal that changes nothing of what is written to it.
+    """Open a pseudo-terminal that passes output through unchanged.
 
     Returns:
         The descriptor to read from, and the one that the child writes to.

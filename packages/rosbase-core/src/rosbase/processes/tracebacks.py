@@ -1,4 +1,4 @@
-"""Finds Python's tracebacks in what a child writes, so that they stand out in the log."""
+"""Find Python's tracebacks in a child's output, so that they stand out in the log."""
 
 __all__ = ["Tracebacks"]
 
@@ -24,7 +24,7 @@ class Tracebacks:
         self._prefix = ""
 
     def is_part(self, line: str) -> bool:
-        """Whether the next line is part of a traceback: from its heading to the exception."""
+        """Return whether the next line is part of a traceback, from heading to exception."""
         if line.endswith(_HEADING):
             self._is_group = line.endswith(_GROUP_HEADING)
             heading = _GROUP_HEADING if self._is_group else _HEADING

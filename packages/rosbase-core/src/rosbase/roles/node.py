@@ -180,8 +180,7 @@ class BaseNode(Constructed, Component):
         """Release files, threads and devices. Called when the node ends."""
 
     def destroy_node(self) -> None:
-        """Close a standalone node's own connection. Do nothing if it is closed, or with a manager.
-        """
+        """Close a standalone node's own connection. Ignored if it is closed, or with a manager."""
         if self.manager is None:
             self._backend.close()
 

@@ -1,1 +1,1 @@
-"""Below the contracts: the executor, rates, waiting and waking. Pure, or given a clock."""
+"""The layer below the contracts: executor, rates, waiting and waking. Pure, or given a clock."""

@@ -1,4 +1,4 @@
-"""How long to wait before the next try: longer each time, never too long, never in step."""
+"""Delays before retries: longer each time, limited, and with jitter."""
 
 from random import Random
 
@@ -16,21 +16,21 @@ class Backoff:
     """
 
     first_s: float = 0.1
-    """The first delay, before jitter."""
+    """First delay, before jitter."""
     limit_s: float = 1.0
-    """No delay is longer than this."""
+    """Maximum delay."""
     factor: float = 2.0
-    """Each delay is this many times the one before."""
+    """Factor between one delay and the next."""
     rng: Random = field(factory=Random)
-    """Where the jitter comes from."""
+    """Source of the jitter."""
     _delay_s: float = field(init=False, default=0.0)
 
     def next_s(self) -> float:
-        """The next delay in seconds."""
+        """Return the next delay in seconds."""
         grown = self._delay_s * self.factor if self._delay_s else self.first_s
         self._delay_s = min(grown, self.limit_s)
         return self._delay_s * (1.0 - 0.5 * self.rng.random())
 
     def reset(self) -> None:
-        """Begins again with the first delay. Call it once the thing has proved to work."""
+        """Start again with the first delay. Call it after a proven success."""
         self._delay_s = 0.0

@@ -1,4 +1,4 @@
-"""Runs callbacks on one thread: those handed over by others, and those of timers."""
+"""Run callbacks on one thread: calls from other threads, and timers."""
 
 import heapq
 import threading
@@ -17,7 +17,7 @@ _LONGEST_S = 1e6
 
 
 class ExecutorTimer:
-    """A timer with absolute deadlines. Periods that were missed are skipped."""
+    """A timer with absolute deadlines. Missed periods are skipped."""
 
     __slots__ = ("_executor", "callback", "is_destroyed", "period_ns", "serial")
 
@@ -28,24 +28,24 @@ class ExecutorTimer:
         self.period_ns = period_ns
         self.callback = callback
         self.is_destroyed = False
-        """A destroyed timer does not start again."""
+        """Whether the timer is destroyed, so that it does not start again."""
         self.serial: int | None = None
-        """The entry of the executor's heap that counts; any other is of a life before."""
+        """Number of the valid entry in the executor's heap; all others are outdated."""
 
     def cancel(self) -> None:
-        """Stops it, until `reset`."""
+        """Stop the timer, until `reset`."""
         self._executor.cancel_timer(self)
 
     def reset(self) -> None:
-        """Starts it again: the next call is one period from now."""
+        """Restart the timer: the next call is one period from now."""
         self._executor.start_timer(self)
 
     def is_canceled(self) -> bool:
-        """Whether it is stopped."""
+        """Return whether the timer is stopped."""
         return self.serial is None
 
     def destroy(self) -> None:
-        """Stops it for good."""
+        """Stop the timer for good."""
         self._executor.cancel_timer(self, destroy=True)
 
 
@@ -71,11 +71,11 @@ class Executor:
         self.clock = clock
         self._monotonic_ns = clock.monotonic_ns
         self.ready: deque[Callable[[], object]] = deque()
-        """The calls that wait. For others to look whether there is one."""
+        """Waiting calls. Other code may check whether there is one."""
         # The heap and the serials of its timers; `call_soon` does without this lock.
         self._timer_lock = threading.Lock()
         self.timers: list[tuple[int, int, ExecutorTimer]] = []
-        """A heap by deadline, with entries that do not count any more. For others to look at."""
+        """Heap of timers by deadline, with outdated entries. Other code may look at it."""
         self._serials = count(1)
         self._compact_at = _FEW_ENTRIES
         self._owes_a_call = False
@@ -87,7 +87,7 @@ class Executor:
         self._closed = False
 
     def call_soon(self, function: Callable[[], object]) -> None:
-        """Queues a call. Takes no lock, so that a signal handler may do it too."""
+        """Queue a call. It takes no lock, so that a signal handler may do it too."""
         self.ready.append(function)
         if self._sleeping:
             try:
@@ -97,7 +97,7 @@ class Executor:
                 pass
 
     def create_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
-        """A timer that runs; the first call is one period from now.
+        """Create a running timer; the first call is one period from now.
 
         Raises:
             BackendError: The executor is closed.
@@ -109,7 +109,7 @@ class Executor:
         return timer
 
     def start_timer(self, timer: ExecutorTimer) -> None:
-        """Has the timer fire one period from now, and again after each period."""
+        """Make the timer fire one period from now, and again after each period."""
         deadline_ns = self._monotonic_ns() + timer.period_ns
         with self._timer_lock:
             if timer.is_destroyed or self._closed:
@@ -119,13 +119,13 @@ class Executor:
             self.call_soon(_nothing)
 
     def cancel_timer(self, timer: ExecutorTimer, *, destroy: bool = False) -> None:
-        """Has the timer not fire any more; with `destroy`, whoever resets it."""
+        """Stop the timer from firing; with `destroy`, even if it is reset."""
         with self._timer_lock:
             timer.serial = None
             timer.is_destroyed = timer.is_destroyed or destroy
 
     def spin_once(self, timeout_s: float) -> bool:
-        """Runs one call, waiting for it as long as `timeout_s`; tells whether there was one."""
+        """Run one call, waiting up to `timeout_s` for it; return whether there was one."""
         if self._run_one(self._monotonic_ns()):
             return True
         deadline_ns = self._monotonic_ns() + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
@@ -136,9 +136,10 @@ class Executor:
         return False
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
-        """Runs calls until the deadline; those that are ready now, even if it has passed.
+        """Run calls until the deadline; run the ready ones even if it has passed.
 
-        Ends at once when `stopping` holds, which is asked before it waits and after each call.
+        Ends at once when `stopping` returns true. It is called before each wait and after
+        each call.
         """
         monotonic_ns, ready = self._monotonic_ns, self.ready
         # What is due now has its turn, also in a loop that is always late; what becomes due
@@ -159,7 +160,7 @@ class Executor:
                 self._sleep(left_ns)
 
     def close(self) -> None:
-        """Drops everything that waits to be run; timers do not start again."""
+        """Drop all waiting calls; timers do not start again."""
         self.ready.clear()
         with self._timer_lock:
             self._closed = True
@@ -167,7 +168,7 @@ class Executor:
                 timer.serial = None
 
     def _run_one(self, due_ns: int) -> bool:
-        """Runs a call, or a timer that was due by then; tells whether there was one."""
+        """Run a call, or a timer that was due by then; return whether there was one."""
         # A timer and a call take turns, so that neither a flood of messages nor a timer that
         # is always late starves the other.
         if self.ready and self._owes_a_call:
@@ -185,7 +186,7 @@ class Executor:
         return False
 
     def _take_due_timer(self, due_ns: int) -> ExecutorTimer | None:
-        """The first timer that was due by then, set to its next deadline from now."""
+        """Return the first timer that was due by then, after setting its next deadline."""
         now_ns = self._monotonic_ns()
         with self._timer_lock:
             while self.timers and self.timers[0][0] <= due_ns:
@@ -219,4 +220,4 @@ class Executor:
 
 
 def _nothing() -> None:
-    """What is called to wake the spinning thread for a new timer."""
+    """Do nothing: called to wake the spinning thread for a new timer."""

@@ -12,7 +12,7 @@ _STEPS = 1 << _STEP_BITS
 class Histogram:
     """Counts of non-negative integers in buckets that grow with the value.
 
-    Recording costs one list update, so it may stand on a per-sample path. One thread
+    Recording costs one list update, so it is cheap enough for every sample. One thread
     records; others may read meanwhile.
     """
 
@@ -21,20 +21,20 @@ class Histogram:
     def __init__(self) -> None:
         self._counts = [0] * (_STEPS * 60)
         self.count = 0
-        """How many values were recorded."""
+        """Number of recorded values."""
         self.maximum = 0
-        """The largest value recorded; 0 if there is none."""
+        """Largest recorded value; 0 if there is none."""
 
     def __repr__(self) -> str:
         half, most = self.percentile(50), self.percentile(99)
         return f"<Histogram count={self.count} p50={half} p99={most} maximum={self.maximum}>"
 
     def record(self, value: int) -> None:
-        """Counts one value; a negative one counts as 0."""
+        """Count one value; a negative one counts as 0."""
         self.record_all((value,))
 
     def record_all(self, values: Sequence[int]) -> None:
-        """Counts several, at about half the cost of one by one."""
+        """Count several values, at about half the cost of one by one."""
         counts = self._counts
         last = len(counts) - 1
         for value in values:
@@ -49,7 +49,10 @@ class Histogram:
         self.maximum = max(self.maximum, max(values, default=0))
 
     def percentile(self, percent: float) -> int:
-        """The value that `percent` of those recorded do not exceed, to within 1/32; 0 if none."""
+        """Return the value that `percent` of the recorded ones do not exceed.
+
+        It is exact to within 1/32, and 0 if there are none.
+        """
         if not self.count:
             return 0
         wanted = percent / 100.0 * self.count

@@ -1,4 +1,4 @@
-"""What stands between the threads on which messages arrive and the one that handles them."""
+"""The queue between the threads on which messages arrive and the one that handles them."""
 
 import threading
 from collections import deque
@@ -9,7 +9,7 @@ __all__ = ["QueuedSubscription"]
 
 
 class QueuedSubscription:
-    """The last messages of a topic, from any thread, waiting for the callback on one."""
+    """Last messages of a topic, from any thread, waiting for the callback on one."""
 
     __slots__ = (
         "_callback",
@@ -41,11 +41,11 @@ class QueuedSubscription:
 
     @property
     def dropped(self) -> int:
-        """How many messages were lost because the callback was slower than the publisher."""
+        """Number of messages lost because the callback was slower than the publisher."""
         return self._dropped
 
     def deliver(self, message: Any) -> None:
-        """Queues a message, from any thread; the oldest goes if the queue is full."""
+        """Queue a message, from any thread; drop the oldest if the queue is full."""
         with self._lock:
             if self._closed:
                 return
@@ -59,7 +59,7 @@ class QueuedSubscription:
             self._schedule(self.handle_one)
 
     def handle_one(self) -> None:
-        """Calls back with the oldest message. On the spinning thread."""
+        """Call the callback with the oldest message. For the spinning thread."""
         with self._lock:
             if self._closed or not self._queue:
                 return
@@ -67,13 +67,13 @@ class QueuedSubscription:
         self._callback(message)
 
     def resize(self, depth: int) -> None:
-        """Keeps the last `depth` messages from now on."""
+        """Keep the last `depth` messages from now on."""
         with self._lock:
             self.depth = depth
             self._queue = deque(self._queue, maxlen=depth)
 
     def close(self) -> None:
-        """No callback from here on."""
+        """Stop calling the callback."""
         with self._lock:
             self._closed = True
             self._queue.clear()

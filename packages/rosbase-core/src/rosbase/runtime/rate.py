@@ -13,7 +13,7 @@ _NS_PER_MS = 1_000_000
 
 
 class Rate:
-    """Absolute deadlines, start + n x period, that nothing can make drift.
+    """Absolute deadlines, start + n x period, that never drift.
 
     A tick that is late runs at once, and the phase is kept. Ticks whose whole period has
     passed are skipped: there is never a burst.
@@ -30,7 +30,7 @@ class Rate:
     )
 
     def __init__(self, frequency_hz: float, start_ns: int) -> None:
-        """Starts at `start_ns` (monotonic); the first deadline is that instant.
+        """Start at `start_ns` (monotonic); the first deadline is that instant.
 
         Raises:
             ValueError: The frequency is not a positive, finite number.
@@ -43,18 +43,18 @@ class Rate:
         self._period_ns, self._rest = divmod(period.numerator, period.denominator)
         self._parts = period.denominator
         self.whole_period_ns = 0 if self._rest else self._period_ns
-        """The period, if it is a whole number of nanoseconds; else 0."""
+        """Period, if it is a whole number of nanoseconds; else 0."""
         self._left_over = 0
         self.deadline_ns = start_ns
-        """When the next tick is due, on the monotonic clock."""
+        """Time of the next tick, on the monotonic clock."""
         self.skipped = 0
-        """How many ticks were skipped, because their periods had passed."""
+        """Number of ticks skipped because their periods had passed."""
 
     def advance(self, now_ns: int) -> int:
-        """Moves on to the first tick whose period has not passed by `now_ns`.
+        """Move on to the first tick whose period has not passed by `now_ns`.
 
         Returns:
-            When it is due.
+            The time at which it is due.
         """
         self.deadline_ns = deadline_ns = self.deadline_ns + self._period_ns
         if self._rest:
@@ -87,21 +87,24 @@ def _is_rate(value: object) -> bool:
 
 
 class LoopStats:
-    """What a fixed-rate loop did, at next to no cost.
+    """Statistics of a fixed-rate loop, at almost no cost.
 
-    The loop only notes when each tick started and ended. Percentiles are made of the notes
-    when there are many of them, or when somebody asks, from any thread.
+    The loop only notes when each tick started and ended. Percentiles are computed from the
+    notes when there are many, or when you ask for them, from any thread.
     """
 
     __slots__ = ("_busy", "_digested", "_last_start_ns", "_lock", "_period", "notes", "overruns")
 
     MANY_TICKS = 500
-    """The notes of so many ticks are to be digested. Fewer would cost more each, for it is
-    then that the processor is warm; more would take a good part of a millisecond."""
+    """Number of ticks whose notes are digested together.
+
+    With fewer, each would cost more, because the processor is warm only later. More would take
+    a large part of a millisecond.
+    """
 
     def __init__(self) -> None:
         self.overruns = 0
-        """Ticks that were skipped because the one before took too long."""
+        """Number of ticks skipped because the one before took too long."""
         self.notes: list[int] = []
         """Start, end, start, end, ... of the ticks on the monotonic clock, appended by the loop."""
         self._digested = 0
@@ -119,7 +122,7 @@ class LoopStats:
 
     @property
     def ticks(self) -> int:
-        """Ticks that ran."""
+        """Number of ticks that ran."""
         with self._lock:
             return self._digested + len(self.notes) // 2
 
@@ -136,12 +139,12 @@ class LoopStats:
         return self._busy
 
     def digest_if_many(self) -> None:
-        """Makes percentiles of the notes once there are many."""
+        """Compute percentiles from the notes if there are many."""
         if len(self.notes) >= 2 * self.MANY_TICKS:
             self.digest()
 
     def digest(self) -> None:
-        """Makes percentiles of the notes."""
+        """Compute percentiles from the notes."""
         with self._lock:
             # A start whose end is yet to come stays, as does what is appended meanwhile.
             notes = self.notes[: len(self.notes) // 2 * 2]

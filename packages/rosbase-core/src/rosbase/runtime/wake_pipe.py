@@ -1,4 +1,4 @@
-"""A pipe that wakes a thread wherever it waits in the kernel."""
+"""A pipe that wakes a thread from any wait in the kernel."""
 
 import os
 import threading
@@ -7,10 +7,10 @@ __all__ = ["WakePipe"]
 
 
 class WakePipe:
-    """One thread polls it; any thread writes to it, also when it has been closed."""
+    """A pipe that one thread polls; any thread may write to it, even after it was closed."""
 
     def __init__(self) -> None:
-        """Opens it.
+        """Open the pipe.
 
         Raises:
             OSError: There are no more descriptors.
@@ -23,11 +23,11 @@ class WakePipe:
         self._is_closed = False
 
     def fileno(self) -> int:
-        """What is to be polled for input."""
+        """Return the descriptor to poll for input."""
         return self._read_fd
 
     def wake(self) -> None:
-        """Wakes whoever polls it, now or next."""
+        """Wake the polling thread, now or at its next poll."""
         with self._lock:
             if not self._is_closed:
                 try:
@@ -37,14 +37,14 @@ class WakePipe:
                     pass
 
     def drain(self) -> None:
-        """Takes what has woken it, so that it can be waited for again."""
+        """Read the wake-ups, so that it can be polled again."""
         try:
             os.read(self._read_fd, 64)
         except BlockingIOError:
             pass
 
     def close(self) -> None:
-        """Closes it. Idempotent."""
+        """Close the pipe. Idempotent."""
         with self._lock:
             if not self._is_closed:
                 self._is_closed = True

@@ -1,4 +1,4 @@
-"""Stamps: when the frames of a stream arrived, as far as that can be known. Pure."""
+"""Stamps: arrival times of the frames of a stream, as far as they can be known. Pure."""
 
 from rosbase.stamps.backlog import LATE_NS
 from rosbase.stamps.clock_offset import ClockOffset

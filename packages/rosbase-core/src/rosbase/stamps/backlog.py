@@ -1,11 +1,11 @@
-"""Frames that were read together: when each of them came, and whether anybody can know."""
+"""Frames that were read together: the time of each, and whether it can be known."""
 
 from rosbase.stamps.spread import spread
 
 __all__ = ["LATE_NS", "dates", "is_left_over", "is_undatable"]
 
 LATE_NS = 1_000_000_000
-"""What may have waited for longer, because nobody looked, is late."""
+"""Waiting time after which data is late, if no check came in between."""
 
 # Frames that fill a wait but for this part of it are all there: a 16th.
 _MISSING_SHIFT = 4
@@ -16,14 +16,14 @@ _MOST_AT_ONCE = 4
 
 
 def is_undatable(count: int, waited_ns: int, usual_ns: int) -> bool:
-    """Return whether nobody can know when frames came that have waited for long.
+    """Return whether the times of frames that have waited for long cannot be known.
 
-    As many as usually come in that time are all there: each came when it was due. Where some are
-    missing, a buffer has overrun, and it is not known which of them.
+    If there are as many as usually come in that time, each came when it was due. If some are
+    missing, a buffer has overrun, and it is not known which ones are lost.
 
     Args:
-        count: How many frames there are.
-        waited_ns: For how long they may have waited.
+        count: Number of frames.
+        waited_ns: Time that they may have waited.
         usual_ns: The usual interval; 0 if it is not known.
     """
     missing_ns = waited_ns - count * usual_ns
@@ -31,9 +31,9 @@ def is_undatable(count: int, waited_ns: int, usual_ns: int) -> bool:
 
 
 def is_left_over(count: int, waited_ns: int, usual_ns: int) -> bool:
-    """Return whether frames are too many for the time since the read before.
+    """Return whether there are too many frames for the time since the previous read.
 
-    After a read that was undatable, they are the rest of what waited.
+    After a read that was undatable, they are the rest of the waiting frames.
     """
     return usual_ns > 0 and count * usual_ns > 2 * (waited_ns + usual_ns)
 
@@ -49,12 +49,12 @@ def dates(
     """Return the dates of frames that were read together.
 
     Args:
-        count: How many there are.
+        count: Number of frames.
         after_ns: A date before the first of them.
         until_ns: The date of the read.
-        waited_ns: For how long they may have waited.
+        waited_ns: Time that they may have waited.
         usual_ns: The usual interval; 0 if it is not known.
-        wire_ns: How long a frame takes on the line, if that is known.
+        wire_ns: Time of a frame on the line, if that is known.
     """
     widest_ns = usual_ns or _UNKNOWN_NS
     if wire_ns is not None and count <= _MOST_AT_ONCE:

@@ -1,32 +1,32 @@
-"""How far the date is ahead of the monotonic time, and whether somebody has set the date."""
+"""Offset between the date and the monotonic time, and steps of the date."""
 
 __all__ = ["SLIGHT_NS", "ClockOffset"]
 
 SLIGHT_NS = 1_000_000
-"""Less than this is no step."""
+"""Offset changes below this are no step."""
 
 # NTP slews by 500 ppm at most; twice as much is no step.
 _SLEW_SHIFT = 10
 
 
 class ClockOffset:
-    """Compares the two clocks whenever it is asked.
+    """Compares the two clocks on each call.
 
     The two clocks of a machine differ by a constant until one of them is set. The date is read
-    between two readings of the monotonic clock. So it is known how far the comparison may be
-    off, also where somebody else had the processor in between.
+    between two readings of the monotonic clock. So the maximum error of the comparison is
+    known, even if another process had the processor in between.
     """
 
     __slots__ = ("_doubt_ns", "_measured_ns", "offset_ns")
 
     def __init__(self) -> None:
-        """Know nothing yet."""
+        """Start without an offset."""
         self.offset_ns: int | None = None
         """Date minus monotonic time; None before the first comparison."""
         self._doubt_ns = self._measured_ns = 0
 
     def step(self, before_ns: int, date_ns: int, after_ns: int) -> int:
-        """Return by how much the date has been set since the last comparison; 0 if it has not.
+        """Return the step of the date since the last comparison; 0 if there was none.
 
         Args:
             before_ns: The monotonic time before the date was read.
@@ -47,11 +47,11 @@ class ClockOffset:
         return 0
 
     def take(self, before_ns: int, date_ns: int, after_ns: int) -> None:
-        """Take the offset as it is now."""
+        """Take the current offset."""
         self.offset_ns, self._doubt_ns = date_ns - after_ns, after_ns - before_ns
         self._measured_ns = after_ns
 
     def shift(self, asleep_ns: int) -> None:
-        """Note that the machine has slept, in which time only the date goes on."""
+        """Note that the machine has slept. Only the date goes on during that time."""
         if self.offset_ns is not None:
             self.offset_ns += asleep_ns

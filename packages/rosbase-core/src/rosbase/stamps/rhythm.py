@@ -1,4 +1,4 @@
-"""How often a stream usually has a frame, and how far arrivals are from that."""
+"""The usual interval of a stream's frames, and the jitter of their arrival."""
 
 __all__ = ["Rhythm"]
 
@@ -12,26 +12,26 @@ _JITTER_SHIFT = 4
 
 
 class Rhythm:
-    """Keeps a running estimate of the interval between frames and of the jitter of their arrival.
+    """Running estimates of the interval between frames and of the jitter of their arrival.
 
-    What arrives more than four intervals early or late counts as four. So a pause, or a burst
-    after one, changes little, and a new rate is learned within some hundred frames.
+    Deviations of more than four intervals count as four. So a pause, or a burst after one,
+    changes little. A new rate is learned within some hundred frames.
     """
 
     __slots__ = ("_last_ns", "_learned", "_remembered", "interval_ns", "jitter_ns")
 
     def __init__(self) -> None:
-        """Know nothing yet."""
+        """Start without an estimate."""
         self.interval_ns = 0
-        """The usual time between two frames; 0 while it is not known."""
+        """Usual time between two frames; 0 while it is not known."""
         self.jitter_ns = 0
-        """How far from the usual interval frames arrive, on average."""
+        """Average deviation of arrivals from the usual interval."""
         self._last_ns: int | None = None
         self._learned: list[tuple[int, int]] = []
         self._remembered = 0
 
     def pause(self) -> None:
-        """Forget when the last frame came: the time until the next one says nothing."""
+        """Forget when the last frame came: the time until the next one is not an interval."""
         self._last_ns = None
 
     def add(self, count: int, at_ns: int) -> None:

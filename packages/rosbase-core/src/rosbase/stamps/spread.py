@@ -1,4 +1,4 @@
-"""Several stamps at even distances, for what came at one moment and did not happen at one."""
+"""Evenly spaced stamps for events that arrived together but did not happen at once."""
 
 __all__ = ["spread"]
 
@@ -6,13 +6,13 @@ __all__ = ["spread"]
 def spread(count: int, after_ns: int, until_ns: int, widest_ns: int | None = None) -> range:
     """Return `count` stamps that rise evenly, later than `after_ns`, the last at `until_ns`.
 
-    Where there is no room for that, the stamps are 1 ns apart from `after_ns` on.
+    If there is no room for that, the stamps are 1 ns apart from `after_ns` on.
 
     Args:
-        count: How many stamps; at least 1.
+        count: Number of stamps; at least 1.
         after_ns: A moment that is before the first of them.
         until_ns: The moment of the last one.
-        widest_ns: How far apart they are at most; by default as far as there is room.
+        widest_ns: Maximum distance; by default as far as there is room.
     """
     step_ns = (until_ns - after_ns) // count
     if widest_ns is not None and widest_ns < step_ns:

@@ -1,7 +1,7 @@
-"""When the frames of one stream came: a stamp for each, from the moments at which it was read.
+"""Stamps for the frames of one stream, from the moments at which it was read.
 
-All is reckoned on the monotonic clock, back from a read, and put on the date of that read. So a
-date that is set moves the stamps that follow, and no others.
+Stamps are computed on the monotonic clock, back from a read, and converted with the date of that
+read. So a step of the date moves only later stamps.
 """
 
 from collections.abc import Sequence
@@ -23,10 +23,10 @@ _NEVER_NS = -(1 << 62)
 
 
 class Timeline:
-    """Stamps frames in the order of their arrival. Stamps rise, but where the date is set back.
+    """Stamps frames in the order of their arrival. Stamps rise, unless the date is set back.
 
-    Its owner says when it looked for data, with `read` if there was some and with `look` if not.
-    For the frames that a read has completed it asks `one` or `many`, before it reads again.
+    Its owner notes each look for data, with `read` if there was some and with `look` if not.
+    For the frames completed by a read it calls `one` or `many`, before it reads again.
     """
 
     __slots__ = (
@@ -52,11 +52,11 @@ class Timeline:
     )
 
     def __init__(self, rhythm: Rhythm, *, keeps_all: bool = False) -> None:
-        """Begin without a frame.
+        """Start without a frame.
 
         Args:
-            rhythm: Where the usual interval is kept.
-            keeps_all: Whether frames are stamped that nobody can date, as well as can be.
+            rhythm: Keeps the usual interval.
+            keeps_all: Whether to stamp undatable frames too, as well as possible.
         """
         self._rhythm = rhythm
         self._keeps_all = keeps_all
@@ -75,19 +75,19 @@ class Timeline:
         self._is_behind, self._behind_ns = False, 0
         self._asleep_ns = 0
         self.late = 0
-        """How many of the frames that `many` was asked for last were late."""
+        """Number of late frames in the last call of `many`."""
 
     # What the owner does.
 
     def begin(self, at_ns: int) -> None:
-        """Note that nothing of what is to come was sent before this moment."""
+        """Note that no later data was sent before this moment."""
         self._at_ns = at_ns
         self._is_behind = False
         self._rhythm.pause()
         self._set_pace()
 
     def look(self, at_ns: int) -> None:
-        """Note a look at which nothing was there."""
+        """Note a look that found no data."""
         self._at_ns = at_ns
 
     def read(self, date_ns: int, at_ns: int) -> int:
@@ -98,7 +98,7 @@ class Timeline:
         return at_ns
 
     def more(self, date_ns: int, at_ns: int) -> int:
-        """Note that the last read goes on: what is read now has waited together with the rest."""
+        """Note that the last read goes on: the new data has waited together with the rest."""
         self._date_ns = date_ns
         self._at_ns = self._drained_ns = at_ns
         return at_ns
@@ -109,7 +109,7 @@ class Timeline:
         self._asleep_ns = asleep_ns
 
     def shift(self, asleep_ns: int) -> None:
-        """Note that the machine slept while nothing was to be read."""
+        """Note that the machine slept while there was no data to read."""
         self._offset.shift(asleep_ns)
         self._offset_ns += asleep_ns
 
@@ -117,15 +117,15 @@ class Timeline:
 
     @property
     def waited_ns(self) -> int:
-        """For how long what was read last may have waited: since the look before."""
+        """Time that the last data may have waited: since the previous look."""
         return self._first_ns - self._looked_ns
 
     @property
     def wants_more(self) -> bool:
-        """Whether that is so long that more may be waiting, to be read first.
+        """Whether the wait was so long that more data may be waiting, to be read first.
 
-        Of a stream that never pauses more is wanted for a moment only. What a reader finds that
-        was busy with that is no reason for the same again.
+        For a stream that never pauses, this is true for a moment only. Data that came
+        while the reader was busy with it does not count again.
         """
         waited_ns = self._first_ns - self._looked_ns
         if waited_ns <= self._prompt_ns:
@@ -135,7 +135,7 @@ class Timeline:
         return self._at_ns - self._first_ns <= _DRAIN_NS + (waited_ns >> _DRAIN_SHIFT)
 
     def one(self, begun_ns: int) -> int | None:
-        """Return the stamp of the only frame of a read; None if `many` is to be asked.
+        """Return the stamp of the only frame of a read; None if you must call `many`.
 
         Args:
             begun_ns: The moment of the read in which the frame began.
@@ -162,10 +162,10 @@ class Timeline:
         return not -SLIGHT_NS < drift_ns < SLIGHT_NS or self._date_ns <= self._last_ns
 
     def step(self, before_ns: int, date_ns: int, after_ns: int) -> int:
-        """Return by how much the date has been set; 0 if it has not. Asked before `many`.
+        """Return the step of the date; 0 if there was none. Call it before `many`.
 
         Args:
-            before_ns: The monotonic time before the date was asked for once more.
+            before_ns: The monotonic time before the date was read again.
             date_ns: The date.
             after_ns: The monotonic time after that.
         """
@@ -186,12 +186,12 @@ class Timeline:
     def many(
         self, begun_ns: Sequence[int], *, is_within: bool = False, wire_ns: int | None = None
     ) -> list[int | None]:
-        """Return the stamps of the frames of a read; None for a frame that nobody can date.
+        """Return the stamps of the frames of a read; None for a frame that cannot be dated.
 
         Args:
-            begun_ns: Of each frame, the moment of the read in which it began.
+            begun_ns: For each frame, the moment of the read in which it began.
             is_within: Whether another frame has begun, behind them.
-            wire_ns: How long a frame takes on the line, where that is known.
+            wire_ns: Time of a frame on the line, where that is known.
         """
         carried, first_ns, count = 0, self._first_ns, len(begun_ns)
         while carried < count and begun_ns[carried] < first_ns:
@@ -223,7 +223,7 @@ class Timeline:
         self._set_pace()
 
     def _set_pace(self) -> None:
-        """Begin to count frames for the rhythm anew; say how long a wait is prompt."""
+        """Restart counting frames for the rhythm; return the longest prompt wait."""
         usual_ns = self._rhythm.interval_ns
         self._frames, self._count = 0, _FEW if usual_ns else 1
         # What is behind is for `many`.

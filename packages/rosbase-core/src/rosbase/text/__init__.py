@@ -1,1 +1,1 @@
-"""Text from outside, such as a topic or an error: what of it may reach a terminal or a log."""
+"""Text from outside, such as a topic or an error, made safe for a terminal or a log."""

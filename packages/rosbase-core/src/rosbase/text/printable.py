@@ -1,20 +1,20 @@
-r"""Text from outside, as it may stand in a line of a log, on a terminal, or in a message.
+r"""Make text from outside safe for a line of a log, a terminal, or a message.
 
-Whoever chooses a topic, a file name or an error text must not be able to end a line and begin
-another one, to clear a screen, or to turn the reading direction around. So each character that
-Python does not call printable is shown as an escape, as in `lab/\x1b[2J`, and text is cut to a
-length. Outside text is put through `printable` where it enters a message; the logger, and whatever
-writes to a terminal, see to it once more.
+A topic, a file name or an error text must not be able to start a new line, clear a screen, or
+reverse the reading direction. So each character that Python does not call printable is shown as an
+escape, as in `lab/\x1b[2J`, and text is cut to a length. Code passes outside text through
+`printable` when it enters a message. The logger, and all code that writes to a terminal, do so
+once more.
 """
 
 __all__ = ["MOST_LINE", "MOST_QUOTED", "indented", "log_line", "one_line", "printable"]
 
 MOST_QUOTED = 200
-"""The most characters of a text that is quoted within a message."""
+"""Maximum length of a text that is quoted within a message."""
 MOST_PROSE = 1_000
-"""The most characters of a text that says something by itself, such as an error."""
+"""Maximum length of a text that stands alone, such as an error."""
 MOST_LINE = 10_000
-"""The most characters of a line of a log."""
+"""Maximum length of a line of a log."""
 
 _CUT = "..."
 _MOST_LINES = 200
@@ -25,9 +25,9 @@ _TAB = 8
 def printable(text: str, most: int = MOST_QUOTED) -> str:
     r"""Return the text as one line of at most `most` printable characters.
 
-    A text that is one already comes back unchanged. Otherwise line ends, control characters, marks
-    of the reading direction and whatever else cannot be seen become escapes such as `\n`, `\x1b`
-    and `\u202e`, and what is too long ends in `...`.
+    A text that is already such a line is returned unchanged. Otherwise line ends, control
+    characters, marks of the reading direction and other invisible characters become escapes
+    such as `\n`, `\x1b` and `\u202e`. A text that is too long ends in `...`.
     """
     if len(text) <= most and text.isprintable():
         return text
@@ -45,20 +45,20 @@ def printable(text: str, most: int = MOST_QUOTED) -> str:
 
 
 def one_line(text: str, most: int = MOST_PROSE) -> str:
-    """Return the text with a blank for each run of white space, and otherwise as `printable` does.
+    """Return the text with one blank for each run of white space, and then as from `printable`.
 
-    For prose of several lines, such as the error of a library.
+    Use it for prose of several lines, such as the error of a library.
     """
     return printable(" ".join(text.split()), most)
 
 
 def log_line(message: object) -> str:
-    """Return the message of a record as one line: the last guard in front of a log."""
+    """Return the message of a record as one line: the last guard before a log."""
     return printable(str(message).expandtabs(_TAB), MOST_LINE)
 
 
 def indented(text: str) -> str:
-    """Return text of many lines, such as a traceback, that stands below the message of a record.
+    """Return text of many lines, such as a traceback, for below the message of a record.
 
     Each line is indented, so that none looks like the beginning of a record.
     """

@@ -1,4 +1,4 @@
-"""What stands in parameter files and behind `-p`, before YAML guesses its type."""
+"""Values in parameter files and after `-p`, before YAML guesses their types."""
 
 from rosbase_ros2.written.arguments import RosArguments
 from rosbase_ros2.written.guess import is_guess_of

@@ -34,20 +34,20 @@ _OF_LAUNCH = "launch_params_"
 class _File:
     path: str
     text: str
-    """What rcl is to read."""
+    """Text for rcl."""
     is_as_it_stands: bool
-    """Whether rcl can read that in the file itself."""
+    """Whether rcl can read the file itself."""
     sections: Sections
 
 
 class RosArguments:
-    """Knows what is written for a node, and gives rcl what it takes of it."""
+    """Knows the values written for a node, and gives rcl its arguments."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
-        """Read the files that are named; those that cannot be read are left to rcl.
+        """Read the named files; leave unreadable ones to rcl.
 
         Args:
-            arguments: From each `--ros-args` up to `--` or the end.
+            arguments: The arguments from each `--ros-args` up to `--` or the end.
         """
         self._arguments = list(arguments)
         self._files: dict[int, _File] = {}
@@ -63,11 +63,11 @@ class RosArguments:
 
     @property
     def files(self) -> dict[str, Sections]:
-        """What stands in each file, by the name that the user gave it."""
+        """Contents of each file, by the name that the user gave it."""
         return {file.path: file.sections for file in self._files.values()}
 
     def written_for(self, node_name: str) -> dict[str, list[Written | None]]:
-        """Return what is written for the parameters of a node, as rcl resolves names.
+        """Return the values written for the parameters of a node, as rcl resolves names.
 
         Args:
             node_name: The full name of the node.
@@ -80,7 +80,7 @@ class RosArguments:
 
     @contextmanager
     def for_rcl(self) -> Iterator[list[str]]:
-        """Give arguments that rcl takes; the copies of files among them end with the block."""
+        """Yield arguments for rcl; the copies of files among them end with the block."""
         with ExitStack() as stack:
             arguments = list(self._arguments)
             for at, file in self._files.items():
@@ -90,13 +90,13 @@ class RosArguments:
             yield arguments
 
     def named_by_user(self, text: str) -> str:
-        """Return what rcl says, with the names that the user has for the files."""
+        """Return rcl's message, with the user's names of the files."""
         for copy, path in self._copies.items():
             text = text.replace(copy, path)
         return text
 
     def _take_rule(self, rule: str) -> str:
-        """Note what `-p` says; return it as rcl takes it."""
+        """Note a value of `-p`; return it as rcl takes it."""
         left, _, text = rule.partition(":=")
         section, is_given, name = left.partition(":")
         if not is_given:
@@ -120,7 +120,7 @@ def _value_for_rcl(text: str, written: Written) -> str:
 
 
 def _applies(section: str, node_name: str) -> bool:
-    """Whether a section is for a node, as rclpy has it: `*` is one name, `**` any number."""
+    """Return whether a section is for a node, as in rclpy: `*` is one name, `**` any number."""
     pattern = re.escape(section if section.startswith("/") else f"/{section}")
     pattern = pattern.replace(r"/\*\*", r"(/\w+)*").replace(r"/\*", r"(/\w+)")
     return bool(re.fullmatch(pattern, node_name, re.ASCII))
@@ -146,7 +146,7 @@ def _read_file(path: str) -> _File | None:
 
 @contextmanager
 def _copy(text: str) -> Iterator[str]:
-    """A file in memory, which the system removes whatever becomes of this process."""
+    """Create a file in memory, which the system always removes with this process."""
     descriptor = os.memfd_create("params.yaml")
     try:
         with open(descriptor, "w", encoding="utf-8", closefd=False) as file:

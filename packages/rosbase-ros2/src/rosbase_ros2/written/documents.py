@@ -1,4 +1,4 @@
-"""Parameter files and values of `-p` as text: which node they are for, and what stands there."""
+"""Parameter files and values of `-p` as text: nodes, parameters and values."""
 
 import base64
 import binascii
@@ -28,8 +28,10 @@ _STRING = "tag:yaml.org,2002:str"
 _QUOTES = ("'", '"')
 
 Sections: TypeAlias = dict[str, dict[str, list[Written | None]]]
-"""By the name of a node as it stands in the file, and that of a parameter: all that is written
-for it, the last of which counts. None is a value whose text is lost."""
+"""All texts of a parameter, by the name of the node in the file and the name of the parameter.
+
+The last one counts. None is a value whose text is lost.
+"""
 
 
 @frozen
@@ -37,13 +39,13 @@ class Entry:
     """A parameter in a file."""
 
     section: str
-    """The name of the node, or a pattern of names."""
+    """Name of the node, or a pattern of names."""
     name: str
     node: yaml.Node
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
-    """Refuses aliases, as rcl does: a small file could stand for a tree without end."""
+    """A loader that refuses aliases, as rcl does: a small file could stand for an endless tree."""
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
@@ -52,7 +54,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
 
 
 def read_documents(text: str) -> list[yaml.Node]:
-    """The documents of a file; none if it is not YAML, of which rcl says why."""
+    """Return the documents of a file; none if it is not YAML, which rcl then reports."""
     try:
         return [node for node in yaml.compose_all(text, Loader=_Loader) if node]
     except (yaml.YAMLError, ValueError, RecursionError):
@@ -60,13 +62,13 @@ def read_documents(text: str) -> list[yaml.Node]:
 
 
 def entries(documents: Sequence[yaml.Node]) -> Iterator[Entry]:
-    """Give every parameter, in the order of the file."""
+    """Yield every parameter, in the order of the file."""
     for document in documents:
         yield from _sections(document, ())
 
 
 def read_value(text: str) -> Written:
-    """What stands behind `:=`; as a whole it is text where it is no scalar and no flat list."""
+    """Return the value after `:=`; it is text if it is neither a scalar nor a flat list."""
     documents = read_documents(text)
     written = _written(documents[0]) if len(documents) == 1 else None
     if written is not None:
@@ -77,12 +79,12 @@ def read_value(text: str) -> Written:
 
 
 def written_of(node: yaml.Node, *, is_dumped: bool) -> Written | None:
-    """What stands in a node; None if it has no text that says more than rcl's guess.
+    """Return the value of a node; None if its text says no more than rcl's guess.
 
     Args:
         node: A value in a file.
-        is_dumped: Whether a tool has written the file, such as launch. Numbers and truths in it
-            are those that the tool has guessed.
+        is_dumped: Whether a tool such as launch has written the file. Then the tool has guessed
+            its numbers and bools.
     """
     written = _written(node)
     if is_dumped and written is not None:
@@ -93,7 +95,7 @@ def written_of(node: yaml.Node, *, is_dumped: bool) -> Written | None:
 
 
 def for_rcl(text: str, documents: Sequence[yaml.Node]) -> str:
-    """The text of a file, with the items of each list that rcl would refuse in quotes."""
+    """Return the text of a file, with quoted items in each list that rcl would refuse."""
     pieces, rest = [], len(text)
     mixed = [entry.node for entry in entries(documents) if _is_mixed(entry.node)]
     for item in sorted((item for node in mixed for item in node.value), key=_start, reverse=True):
@@ -104,7 +106,7 @@ def for_rcl(text: str, documents: Sequence[yaml.Node]) -> str:
 
 
 def quoted(text: str) -> str:
-    """A text as YAML has it in double quotes."""
+    """Return a text in YAML's double quotes."""
     return f'"{"".join(map(_escaped, text))}"'
 
 

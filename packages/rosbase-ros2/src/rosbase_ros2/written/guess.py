@@ -1,4 +1,4 @@
-"""What rcl takes a value for that it reads in YAML.
+"""rcl's guess of the type of a value in YAML.
 
 Source: rcl_yaml_param_parser, `get_value` and `parse_value` in parse.c. It guesses as YAML 1.1
 does, with numbers read by strtol and strtod, and refuses a list of mixed guesses.
@@ -32,7 +32,7 @@ _LONGEST = 400
 
 
 def is_guess_of(value: Any, written: Written) -> bool:
-    """Whether rcl makes that value of what is written; None is what it makes of an empty list."""
+    """Return whether rcl makes that value of the text; None is its value for an empty list."""
     if isinstance(written, WrittenText):
         # As text, because no NaN is equal to another.
         return repr(_guess(written)) == repr(value)
@@ -43,7 +43,7 @@ def is_guess_of(value: Any, written: Written) -> bool:
 
 
 def is_mixed(items: Sequence[WrittenText]) -> bool:
-    """Whether rcl refuses a list, because it guesses different types for its items."""
+    """Return whether rcl refuses a list, because it guesses different types for its items."""
     return len({type(_guess(item)) for item in items}) > 1
 
 
@@ -66,7 +66,7 @@ def _guess(written: WrittenText) -> bool | int | float | str:
 
 
 def _double(text: str) -> float | None:
-    """The number, as strtod reads it; None for one that it reports to be too large or small."""
+    """Return the number, as strtod reads it; None for one that it reports as too large or small."""
     if "n" in text.lower():
         return float(text)
     try:

@@ -1,4 +1,4 @@
-"""Bars for numbers with a sign: they grow to the right from the middle, or to the left."""
+"""Bars for signed numbers: they grow from the middle to the right or to the left."""
 
 from rosbase.cli.panel.style import Style
 
@@ -11,9 +11,9 @@ class Scale:
     """The number at the end of a bar: it grows to 1, 2 or 5 times a power of ten."""
 
     def __init__(self, least: float) -> None:
-        """Begin with the least scale that there is."""
+        """Start with the smallest scale."""
         self.most = least
-        """The number at the end."""
+        """Number at the end of the bar."""
 
     def include(self, *values: float) -> None:
         """Grow until all the values fit."""
@@ -35,9 +35,9 @@ def _round_up(value: float) -> float:
 
 
 def bar(value: float, most: float, width: int, style: Style) -> str:
-    """Return a bar of that many characters, an odd number of them.
+    """Return the bar with an odd number of characters.
 
-    A half character at the end of a bar is drawn where the terminal has one.
+    If the terminal supports it, the bar may end with a half character.
     """
     side = width // 2
     halves = min(2 * side, round(abs(value) / most * 2 * side))

@@ -1,4 +1,4 @@
-"""The panel as a whole: a few lines of at most the width of the terminal."""
+"""The whole panel: a few lines of at most the width of the terminal."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from rosbase.messages import Covariance, Imu, MagneticField, Vector3
 __all__ = ["LEAST_HEIGHT", "LEAST_WIDTH", "Panel", "View"]
 
 LEAST_WIDTH, LEAST_HEIGHT = 60, 10
-"""On a smaller terminal there is one line instead."""
+"""Minimum size of the panel. A smaller terminal shows one line instead."""
 
 _MOST_WIDTH = 120
 
@@ -27,23 +27,23 @@ _MICRO = 1e6
 
 @frozen
 class View:
-    """What a panel shows of a run at one moment."""
+    """Contents of a panel at one moment."""
 
     title: Sequence[Field]
-    """What runs, and for how long."""
+    """Name and duration of the run."""
     counts: Sequence[Field]
-    """Rate, latency, and what became of the samples; the most important ones first."""
+    """Rate, latency, and counts of the samples; the most important ones first."""
     sample: Imu | MagneticField | None
-    """The last one."""
+    """Last sample."""
     note: str
-    """A sentence on how it goes."""
+    """Sentence on the state of the run."""
     colours: tuple[str, ...] = ()
-    """Those of the note."""
+    """Colours of the note."""
 
 
 @define
 class Panel:
-    """Draws views, one after the other: scales stay as they have grown."""
+    """Draws views, one after the other; scales only grow."""
 
     style: Style
     _accelerations: Scale = Factory(lambda: Scale(20.0))
@@ -121,12 +121,12 @@ class Panel:
 
 
 def _measured(value: _T, covariance: Covariance) -> _T | None:
-    """Return the value, or None where the covariance says that there is none (REP-145)."""
+    """Return the value, or None if the covariance says that there is none (REP-145)."""
     return None if covariance[0] == -1.0 else value
 
 
 def _head(names: tuple[str, str], unit: str, width: int) -> str:
-    """Return the head of a column: with the long name, if it fits."""
+    """Return the heading of a column: with the long name, if it fits."""
     texts = [f"{name}, {unit}" for name in names]
     return next((text for text in texts if len(text) <= width), "")
 

@@ -1,4 +1,4 @@
-"""Fields in a row: whole or not at all, so that no number is ever cut."""
+"""Rows of whole fields, so that no number is ever cut."""
 
 from collections.abc import Iterable
 from textwrap import shorten, wrap
@@ -19,7 +19,7 @@ class Field:
     name: str
     value: str = ""
     colours: tuple[str, ...] = ()
-    """Those of the value."""
+    """Colours of the value."""
 
 
 def row(fields: Iterable[Field], width: int, style: Style) -> str:
@@ -41,12 +41,12 @@ def row(fields: Iterable[Field], width: int, style: Style) -> str:
 
 
 def sentence(text: str, width: int) -> str:
-    """Return the text, cut between two words where it is too long."""
+    """Return the text, cut between two words if it is too long."""
     return shorten(text, width, placeholder=" ...")
 
 
 def wrapped(text: str, width: int) -> str:
-    """Return the text in lines that break between words; those after the first are indented."""
+    """Return the text in lines that break between words; lines after the first are indented."""
     lines = wrap(
         text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     )

@@ -1,4 +1,4 @@
-"""Which characters and colours a terminal takes."""
+"""Characters and colours that a terminal supports."""
 
 import os
 from collections.abc import Mapping
@@ -21,19 +21,19 @@ _RESET = "\x1b[0m"
 
 @frozen
 class Style:
-    """How the panel is drawn."""
+    """Characters and colours of the panel."""
 
     has_colour: bool = False
     has_unicode: bool = False
 
     def paint(self, text: str, *names: str) -> str:
-        """Return the text in these colours; as it is where there are none."""
+        """Return the text in these colours; unchanged if there are none."""
         if not (self.has_colour and names and text):
             return text
         return f"\x1b[{';'.join(_CODES[name] for name in names)}m{text}{_RESET}"
 
     def words(self, unicode: str, plain: str) -> str:
-        """Return the text that the terminal can show."""
+        """Return the text with only the characters that the terminal can show."""
         return unicode if self.has_unicode else plain
 
 

@@ -1,1 +1,1 @@
-"""Checks of what is known: each compares samples with a fact, and says what contradicts it."""
+"""Checks of samples: each compares them with a known fact, and reports contradictions."""

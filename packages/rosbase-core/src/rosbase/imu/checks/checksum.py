@@ -1,4 +1,4 @@
-"""A checksum at the end of a line, as `{...}*5A`: verified against the bytes, and taken off."""
+"""Checksums at the end of a line, as `{...}*5A`: verified against the bytes, and removed."""
 
 import binascii
 import re
@@ -13,10 +13,11 @@ __all__ = ["CHECKSUMS", "NO_CHECKSUM", "Verify", "compile_checksum", "verified"]
 ReadT = TypeVar("ReadT")
 
 NO_CHECKSUM = "none"
-"""The value of the parameter for lines without a checksum."""
+"""Value of the parameter for lines without a checksum."""
 
 Verify: TypeAlias = Callable[[bytes], bytes | Reject]
-"""Gives the frame without its checksum, or says why the frame is refused. Never raises."""
+"""Function that returns the frame without its checksum, or why the frame is refused. Never raises.
+"""
 
 _HEX = re.compile(rb"[0-9a-fA-F]+")
 # What follows a separator and is no longer than this was meant to be a checksum.
@@ -24,7 +25,7 @@ _LONGEST_TAIL = 10
 
 
 def _xor(data: bytes) -> int:
-    """NMEA 0183: all bytes, exclusive or."""
+    """Return the checksum of NMEA 0183: all bytes, exclusive or."""
     total = 0
     for byte in data:
         total ^= byte
@@ -32,7 +33,7 @@ def _xor(data: bytes) -> int:
 
 
 def _crc16_modbus(data: bytes) -> int:
-    """Polynomial 0x8005, reflected, from 0xFFFF."""
+    """Return the CRC with polynomial 0x8005, reflected, from 0xFFFF."""
     crc = 0xFFFF
     for byte in data:
         crc = crc >> 8 ^ _MODBUS[(crc ^ byte) & 0xFF]
@@ -49,17 +50,17 @@ _MODBUS = [_modbus_entry(byte) for byte in range(256)]
 
 
 def _crc16_ccitt(data: bytes) -> int:
-    """Polynomial 0x1021, from 0xFFFF; also called CCITT-FALSE, or IBM-3740."""
+    """Return the CRC with polynomial 0x1021, from 0xFFFF: CCITT-FALSE, or IBM-3740."""
     return binascii.crc_hqx(data, 0xFFFF)
 
 
 def _crc16_xmodem(data: bytes) -> int:
-    """Polynomial 0x1021, from 0."""
+    """Return the CRC with polynomial 0x1021, from 0."""
     return binascii.crc_hqx(data, 0)
 
 
 def _crc32(data: bytes) -> int:
-    """Polynomial 0x04C11DB7, reflected: the one of zlib, zip and Ethernet."""
+    """Return the CRC with polynomial 0x04C11DB7, reflected: the one of zlib, zip and Ethernet."""
     return binascii.crc32(data)
 
 
@@ -70,17 +71,17 @@ CHECKSUMS: dict[str, tuple[Callable[[bytes], int], int]] = {
     "crc16_xmodem": (_crc16_xmodem, 4),
     "crc32": (_crc32, 8),
 }
-"""By name: the checksum of bytes, and how many hexadecimal digits it has."""
+"""Checksums of bytes by name, with their numbers of hexadecimal digits."""
 
 
 def compile_checksum(kind: str, separator: str = "*") -> Verify:
     """Return the function that verifies lines.
 
-    A `$` at the start of a line is not covered, and taken off too, as in NMEA sentences.
+    A `$` at the start of a line is not covered, and is removed too, as in NMEA sentences.
 
     Args:
         kind: One of CHECKSUMS.
-        separator: What stands between the covered bytes and the digits.
+        separator: Text between the covered bytes and the digits.
 
     Raises:
         ParameterError: The separator cannot be told from the digits.
@@ -111,7 +112,7 @@ def compile_checksum(kind: str, separator: str = "*") -> Verify:
 def verified(
     verify: Verify, read: Callable[[bytes], ReadT | Reject]
 ) -> Callable[[bytes], ReadT | Reject]:
-    """Return a reader for what `read` reads once the checksum has been verified and taken off."""
+    """Return a reader that verifies and removes the checksum before `read`."""
 
     def read_verified(frame: bytes) -> ReadT | Reject:
         content = verify(frame)

@@ -1,4 +1,4 @@
-"""Stamps that rise although the device's dates do not: between two dates the arrival tells."""
+"""Stamps that rise although the device's dates repeat: the arrival decides between two dates."""
 
 __all__ = ["DatePace"]
 
@@ -7,27 +7,27 @@ _IN_A_ROW = 20
 
 
 class DatePace:
-    """Makes stamps of dates that a coarse clock repeats, such as dates of whole seconds.
+    """Makes stamps from dates that a coarse clock repeats, such as dates of whole seconds.
 
-    A date that is later than the last stamp is the stamp. Else the stamp goes on from the last one
-    by the time between the arrivals; by half of it where the stamps have run ahead of the dates,
-    until these have caught up.
+    A date that is later than the last stamp is the stamp. Otherwise the stamp is the last one
+    plus the time between the arrivals. If the stamps have run ahead of the dates, only half of
+    that time is added, until the dates have caught up.
     """
 
     __slots__ = ("_arrived_ns", "_date_ns", "_in_a_row", "_stamp_ns", "finding")
 
     def __init__(self) -> None:
-        """Begin without a date."""
+        """Start without a date."""
         self._date_ns = self._stamp_ns = self._arrived_ns = 0
         self._in_a_row = 0
         self.finding = ""
-        """What is wrong with the dates, in one line; empty if nothing."""
+        """Fault of the dates, in one line; empty if there is none."""
 
     def stamp(self, date_ns: int, arrived_ns: int) -> int:
         """Return the stamp of a sample that is published.
 
         Args:
-            date_ns: Its date. One that is before the last date begins anew, as of a clock that was
+            date_ns: Its date. A date before the last one starts again, as after a clock that was
                 set back.
             arrived_ns: When it arrived. Arrivals rise, unless the clock of the machine is set.
         """

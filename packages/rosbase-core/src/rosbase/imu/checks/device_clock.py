@@ -1,4 +1,4 @@
-"""Is the device's clock right? Its dates are compared with the arrival."""
+"""Check the device's clock: compare its dates with the arrival."""
 
 from collections import deque
 from itertools import pairwise
@@ -21,27 +21,27 @@ _DRIFT = 0.005
 _SAME = 0.5
 
 _ZONES_S = (5.75 * _HOUR_S, 8.75 * _HOUR_S, 12.75 * _HOUR_S, 13.75 * _HOUR_S)
-"""Zones that are neither whole nor half hours from UTC."""
+"""Time zones whose offset from UTC is neither whole nor half hours."""
 _LARGEST_ZONE_S = 14.0 * _HOUR_S
 _ZONE_TOLERANCE_S = 60.0
 _GPS_S = 18.0
-"""GPS time is that much ahead of UTC (since 2017)."""
+"""Seconds by which GPS time is ahead of UTC (since 2017)."""
 _GPS_ROLLOVER_S = 1024 * 7 * _DAY_S
-"""A GPS receiver counts weeks modulo 1024."""
+"""Seconds after which a GPS receiver's week number starts again (modulo 1024)."""
 
 
 class DeviceClock:
-    """Estimates by how much the device's clock differs, from the samples with the least delay."""
+    """Estimates the offset of the device's clock, from the samples with the least delay."""
 
     def __init__(self, limit_s: float) -> None:
-        """Begin without an estimate.
+        """Start without an estimate.
 
         Args:
             limit_s: Seconds by which the clock may be ahead or behind.
         """
         self.limit_ns = round(limit_s * _S)
         self.finding = ""
-        """What is wrong with the clock, in one line; empty if nothing."""
+        """Fault of the clock, in one line; empty if there is none."""
         self._began_ns: int | None = None
         self._ahead_ns = 0
         self._windows_off = 0
@@ -120,7 +120,7 @@ def _cause(ahead_s: float) -> str:
 
 
 def _duration(seconds: float) -> str:
-    """Write a duration in its largest two units, as people say it."""
+    """Return a duration in its largest two units, for people."""
     if seconds < 10.0:
         return f"{seconds:.1f} s"
     units = (

@@ -1,4 +1,4 @@
-"""Which of the device's dates to believe: nothing goes out twice, backwards, or dated absurdly."""
+"""Decide which of the device's dates to believe: no stamp twice, backwards, or absurd."""
 
 from collections import deque
 from datetime import datetime, timedelta
@@ -12,10 +12,10 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["DeviceDates", "Verdict"]
 
 Verdict: TypeAlias = int | Reject | None
-"""The date to publish under, or why the sample is dropped.
+"""Date for publishing, or the reason why the sample is dropped.
 
-As `time_unusable` it is not dropped but stamped on arrival; and so it is with None, where the
-payload has no date, which is known.
+A sample with `time_unusable` is not dropped but stamped on arrival. So is one with None, whose
+payload is known to have no date.
 """
 
 _S = 1_000_000_000
@@ -40,19 +40,19 @@ _LONGEST_DELAY_NS = 3600 * _S
 
 
 class DeviceDates:
-    """Compares each date with the run of dates before it, and with the arrival.
+    """Compares each date with the dates before it, and with the arrival.
 
-    A date that is ahead of the run is believed at once if it agrees with the arrival, or else
-    when three of the last five agree. Where everything has been earlier for two seconds, and they
-    agree too, the device's clock was set back; its dates are taken as they are from there on.
+    A date that jumps ahead is believed at once if it agrees with the arrival, or else when
+    three of the last five agree. If all dates have been earlier for two seconds, and agree
+    too, the device's clock was set back. From then on its dates are believed again.
     """
 
     def __init__(self, clock: DeviceClock | None = None, *, is_strict: bool = False) -> None:
-        """Begin without a run.
+        """Start without earlier dates.
 
         Args:
-            clock: Judges the device's clock; None if it is not to be judged.
-            is_strict: Whether no date counts that is farther from its arrival than the clock
+            clock: Judges the device's clock; None to skip this.
+            is_strict: Whether to reject dates that are further from their arrival than the clock
                 may be wrong.
         """
         self._clock = clock
@@ -68,12 +68,12 @@ class DeviceDates:
 
     @property
     def finding(self) -> str:
-        """What is wrong with the device's clock, in one line; empty if nothing."""
+        """Fault of the device's clock, in one line; empty if there is none."""
         of_clock = self._clock.finding if self._clock else ""
         return "; ".join(filter(None, (of_clock, self._pace.finding)))
 
     def judge(self, sample: Sample, arrived_ns: int) -> Verdict:
-        """Decide under which date a sample is published.
+        """Decide with which date a sample is published.
 
         Args:
             sample: A sample and its date, which may be any from 1980 on.
@@ -99,7 +99,7 @@ class DeviceDates:
         return self._pace.stamp(date_ns, arrived_ns) if refusal is None else refusal
 
     def _leaps(self, date_ns: int, ahead_ns: int) -> bool:
-        """Tell whether a date is far from all that is known."""
+        """Return whether a date is far from all known dates."""
         if self._last is None:
             return abs(ahead_ns) > _DAY_NS and _is_known(date_ns - ahead_ns)
         # Dates that follow each other are of one run, even if the clock here is set.
@@ -108,7 +108,7 @@ class DeviceDates:
         return is_later and is_ahead and not self._agrees_with_arrival(ahead_ns)
 
     def _agrees_with_arrival(self, ahead_ns: int) -> bool:
-        """Tell whether a date is right, as far as the arrival can tell."""
+        """Return whether a date is right, as far as the arrival can tell."""
         is_run_wrong = abs(self._ahead_ns) > 2 * _ARRIVAL_NS
         return abs(ahead_ns) <= (self._limit_ns or (_ARRIVAL_NS if is_run_wrong else _NEAR_NS))
 
@@ -121,7 +121,7 @@ class DeviceDates:
         return _unusable(date_ns)
 
     def _look_back(self, sample: Sample, date_ns: int, arrived_ns: int) -> Reject | None:
-        """Why a sample that is not later than the last one is dropped, if it is."""
+        """Return why a sample that is not later than the last one is dropped, if it is."""
         late_ns = self._last_ns - date_ns
         if not late_ns:
             self._late_since_ns = 0
@@ -167,13 +167,13 @@ class DeviceDates:
 
 
 class _Agreement:
-    """Remembers the last dates that were doubted, and counts those that agree with each other."""
+    """Remembers the last doubtful dates, and counts those that agree with each other."""
 
     def __init__(self) -> None:
         self._doubted: deque[tuple[int, int]] = deque(maxlen=_DOUBTED)
 
     def add(self, date_ns: int, ahead_ns: int) -> bool:
-        """Take a date; tell whether it and enough others are of one clock, which runs."""
+        """Take a date; return whether it and enough others agree on a running clock."""
         if all(date_ns != other_ns for other_ns, _ in self._doubted):
             # A coarse clock repeats its dates, and so does a stuck one.
             self._doubted.append((date_ns, ahead_ns))
@@ -181,13 +181,13 @@ class _Agreement:
         return len(agreeing) >= _AGREEMENT
 
     def forget(self) -> None:
-        """Begin again."""
+        """Forget all dates."""
         if self._doubted:
             self._doubted.clear()
 
 
 def _is_known(arrived_ns: int) -> bool:
-    """Tell whether the arrival has a date: a machine whose own date is absurd knows nothing."""
+    """Return whether the arrival has a valid date: on a machine with an absurd date it has none."""
     return _EARLIEST_NS <= arrived_ns < _LATEST_NS
 
 

@@ -1,4 +1,7 @@
-"""Does gravity point where the orientation says? Wrong orders, frames and signs show at rest."""
+"""Check that gravity points where the orientation says.
+
+At rest this shows wrong orders, frames and signs.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,7 +14,7 @@ __all__ = ["GravityDirection"]
 
 _Vector: TypeAlias = tuple[float, ...]
 _Pair: TypeAlias = tuple[_Vector, _Vector]
-"""An orientation (x, y, z, w) and the acceleration at the same moment."""
+"""Orientation (x, y, z, w) and acceleration at the same moment."""
 
 # Offsets of cheap accelerometers tilt gravity by some degrees, and filters lag behind.
 _TOLERANCE = math.radians(20.0)
@@ -43,7 +46,7 @@ class GravityDirection:
     def __init__(self, order: str = "xyzw") -> None:
         """Take the order in which the mapping reads quaternions, `xyzw` or `wxyz`."""
         self.finding = ""
-        """What is wrong with the orientation at rest, in one line; empty if nothing."""
+        """Fault of the orientation at rest, in one line; empty if there is none."""
         self._hints = _hints(order)
         self._fits = list(self._hints)
         # Windows at rest that contradict it, and windows of motion since.
@@ -86,7 +89,7 @@ class GravityDirection:
         self.finding = f"at rest gravity is {angle:.0f} degrees from the orientation's up: {asked}"
 
     def _judge_motion(self, window: Window, pairs: Sequence[_Pair]) -> None:
-        """Forget what was found if gravity is up on average: a motion ends where it began."""
+        """Clear the finding if gravity is up on average: a motion ends where it began."""
         if not self._moving or window.ended_ns < self._began_ns:
             self._began_ns, self._moving, self._in_world = window.began_ns, 0, (0.0, 0.0, 0.0)
         self._moving += 1
@@ -139,7 +142,7 @@ def _to_world(q: _Vector, f: _Vector) -> _Vector:
 
 
 def _hints(order: str) -> dict[str, Callable[[Sequence[_Pair]], float]]:
-    """Return the usual mistakes, the likeliest first, and how well each explains what is seen."""
+    """Return the usual mistakes, the likeliest first, and how well each explains the data."""
     other, turned = ("wxyz", (1, 2, 3, 0)) if order == "xyzw" else ("xyzw", (3, 0, 1, 2))
 
     def after(
@@ -174,7 +177,7 @@ def _hints(order: str) -> dict[str, Callable[[Sequence[_Pair]], float]]:
 
 
 def _share_by_degrees(pairs: Sequence[_Pair]) -> float:
-    """Return how well the sines of degrees, taken for radians, explain where up is."""
+    """Return how well sines of degrees, used as radians, explain the direction of up."""
     fx, fy, fz = (sum(axis) for axis in zip(*[f for _, f in pairs], strict=True))
     roll = math.degrees(math.atan2(fy, fz))
     pitch = math.degrees(math.atan2(-fx, math.hypot(fy, fz)))

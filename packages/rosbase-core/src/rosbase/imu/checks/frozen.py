@@ -1,4 +1,4 @@
-"""Does anything change? A live sensor has noise; one that repeats itself is stuck."""
+"""Check for changes: a live sensor has noise, and one that repeats itself is stuck."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -19,10 +19,10 @@ _MOST_DIGITS = 9
 
 
 class Frozen:
-    """Watches for runs in which no quantity changes, to the last digit.
+    """Detects runs in which no quantity changes, to the last digit.
 
-    A quantity that comes in samples of its own, or that is measured less often, counts as
-    unchanged until it changes: it takes all of them to stand still.
+    A quantity in separate samples, or one that is measured less often, counts as unchanged
+    until it changes. A run needs all quantities to stand still.
     """
 
     reason: ClassVar[str] = "frozen"
@@ -41,29 +41,32 @@ class Frozen:
     )
 
     def __init__(self, after_s: float, factors: Mapping[str, float]) -> None:
-        """Watch from the next sample on.
+        """Start with the next sample.
 
         Args:
             after_s: Seconds after which a run of equal samples is a finding.
-            factors: By what the numbers of a payload have been multiplied, by quantity: noise
+            factors: Factors by which the numbers of a payload were multiplied, by quantity. Noise
                 shows only in numbers with enough digits.
         """
         self.finding = ""
-        """That the samples repeat, in one line; empty if they do not."""
+        """Finding that the samples repeat, in one line; empty if they do not."""
         self._factors = factors
         self._after_ns = self._needed_ns = round(after_s * 1e9)
         self.acceleration: tuple[float, ...] | None = None
-        """The last acceleration. Whoever finds that a sample has another one may set it, while
-        there are no repeats, and need not add the sample."""
+        """Last acceleration.
+
+        Code that finds another one in a sample may set it while there are no repeats, and
+        need not add the sample.
+        """
         self.repeats = 0
-        """Samples in a row in which nothing has changed."""
+        """Number of samples in a row without a change."""
         self._rate: tuple[float, ...] | None = None
         self._orientation: tuple[float, ...] | None = None
         self._field: tuple[float, ...] | None = None
         self._since_ns = 0
 
     def add(self, sample: Sample, arrived_ns: int) -> None:
-        """Compare a sample with those before it."""
+        """Compare a sample with the ones before it."""
         acceleration = sample[2]
         # The usual case ends here.
         if acceleration != self.acceleration and acceleration is not None:

@@ -1,4 +1,4 @@
-"""Does gravity look like gravity? A wrong unit shows at rest, and is said, never mended."""
+"""Check the size of gravity. At rest it shows a wrong unit, which is reported, never corrected."""
 
 from typing import ClassVar
 
@@ -19,8 +19,8 @@ _SAME = 0.1
 class Gravity:
     """Judges the norm of the acceleration in windows.
 
-    Only rest shows a wrong norm. Motion cannot show one, but it can take a finding back: samples
-    of a sensor that was booting, or whose unit was wrong, are not near g for windows on end.
+    Only rest shows a wrong norm. Motion cannot show one, but it can clear a finding. With a
+    wrong unit, or while a sensor boots, many windows in a row are not near g.
     """
 
     reason: ClassVar[str] = "implausible"
@@ -29,7 +29,7 @@ class Gravity:
 
     def __init__(self) -> None:
         self.finding = ""
-        """What is wrong with the acceleration at rest, in one line; empty if nothing."""
+        """Fault of the acceleration at rest, in one line; empty if there is none."""
         self._found = 0.0
         self._moving_near_g = 0
 

@@ -1,4 +1,4 @@
-"""A quantity that the user has asked for, and that no payload holds: said once."""
+"""Report once a quantity that the user has asked for and that no payload contains."""
 
 from collections.abc import Iterable
 
@@ -11,9 +11,9 @@ _SAMPLES = 50
 
 
 class NeverThere:
-    """Watches whether the quantities that were asked for come at all.
+    """Watches whether the requested quantities come at all.
 
-    Once each of them has been there, or has been named, nothing is watched any more.
+    Once each of them has come, or has been named, watching ends.
     """
 
     __slots__ = ("_missing", "_samples")
@@ -25,11 +25,11 @@ class NeverThere:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether there is one that has not come yet."""
+        """Whether a quantity has not come yet."""
         return bool(self._missing)
 
     def add(self, sample: Sample) -> list[str]:
-        """Take a sample that goes out; return the quantities that are to be named now."""
+        """Take a published sample; return the quantities to name now."""
         self._missing = [name for name in self._missing if getattr(sample, name) is None]
         self._samples += 1
         if self._samples < _SAMPLES:

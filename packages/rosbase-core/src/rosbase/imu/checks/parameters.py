@@ -1,4 +1,4 @@
-"""The parameters of the checks, and what their values together mean."""
+"""The parameters of the checks, and the settings made from their values."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -42,16 +42,16 @@ CHECK_PARAMETERS: tuple[ParameterSpec, ...] = (
     ),
     ParameterSpec("checksum_separator", "*", "what stands before the checksum"),
 )
-"""Those of every reader. `docs/checks.md` explains them."""
+"""Check parameters of every reader. `docs/checks.md` explains them."""
 
 _DEFAULTS = {spec.name: spec.default for spec in CHECK_PARAMETERS}
 
 
 def read_check_settings(get: Callable[[str], Any]) -> CheckSettings:
-    """Return what the values of the parameters amount to.
+    """Return the settings from the values of the parameters.
 
     Raises:
-        ParameterError: The separator of the checksum cannot be one.
+        ParameterError: The separator of the checksum is invalid.
     """
     settings = CheckSettings(
         gravity=get("plausibility"),
@@ -75,7 +75,7 @@ def checks_without_effect(
     has_orientation: bool,
     has_acceleration: bool,
 ) -> Iterable[str]:
-    """Give what the user set although nothing comes of it, in a line each."""
+    """Yield the user settings that have no effect, in a line each."""
     no_dates = "" if uses_device_time else "time_source is arrival"
     is_clock_off = "device_clock is off" if get("device_clock") == "off" else ""
     reasons = {

@@ -1,4 +1,4 @@
-"""The checks of samples, each as its parameter has it: to warn, to reject, or off."""
+"""The checks of samples. Each can warn, reject, or be off, as its parameter says."""
 
 from typing import ClassVar, Protocol
 
@@ -16,11 +16,11 @@ from rosbase.mapping.rejects import Reject
 __all__ = ["CHECK_MODES", "CheckSettings", "Checks"]
 
 CHECK_MODES = ("warn", "reject", "off")
-"""What becomes of samples that a check finds fault with."""
+"""Modes of a check: how it treats samples with a fault."""
 
 
 class _Check(Protocol):
-    """Each check has a reason for what is refused, and a finding that comes and goes."""
+    """A check with its reason for refused samples, and a finding that comes and goes."""
 
     reason: ClassVar[str]
     finding: str
@@ -32,14 +32,14 @@ class _WindowCheck(_Check, Protocol):
 
 @frozen
 class CheckSettings:
-    """Which checks there are, and how strict they are."""
+    """Settings of the checks, and how strict they are."""
 
     gravity: str = "warn"
     gravity_direction: str = "warn"
     frozen: str = "warn"
     frozen_after_s: float = 2.0
     device_clock: str = "warn"
-    """Of the device's date: `warn`, `arrival` or `off`."""
+    """Mode of the check of the device's date: `warn`, `arrival` or `off`."""
     device_clock_limit_s: float = 5.0
     checksum: str = NO_CHECKSUM
     """One of CHECKSUMS, or NO_CHECKSUM."""
@@ -47,14 +47,14 @@ class CheckSettings:
 
 
 class Checks:
-    """Watches samples, and keeps what is wrong with them until it is so no more."""
+    """Watches samples, and keeps each finding until its fault is gone."""
 
     def __init__(self, settings: CheckSettings, mapping: ImuMapping) -> None:
         """Prepare the checks that are not off.
 
         Args:
-            settings: Which checks.
-            mapping: How numbers and quaternions are written in the payload.
+            settings: Modes of the checks.
+            mapping: Format of numbers and quaternions in the payload.
         """
         gravity = Gravity()
         direction = GravityDirection(mapping.orientation_order or "xyzw")
@@ -74,11 +74,11 @@ class Checks:
 
     @property
     def finding(self) -> str:
-        """What is wrong with samples, in one line; empty if nothing."""
+        """Fault of the samples, in one line; empty if there is none."""
         return "; ".join([check.finding for check in self._all if check.finding])
 
     def judge(self, sample: Sample, arrived_ns: int) -> Reject | None:
-        """Take a sample; say why it is to be dropped, if it is."""
+        """Take a sample; return why it is dropped, if it is."""
         acceleration = sample[2]
         if acceleration is not None and self._of_windows:
             window = self._window
@@ -109,6 +109,6 @@ class Checks:
 
 
 def _factors(mapping: ImuMapping) -> dict[str, float]:
-    """Return by what the numbers of a payload have been multiplied, by quantity."""
+    """Return the factors by which the numbers of a payload were multiplied, by quantity."""
     units = {quantity: getattr(mapping, f"{quantity}_unit") for quantity in VECTORS}
     return {quantity: UNITS[quantity].get(unit, 1.0) for quantity, unit in units.items()}

@@ -1,4 +1,4 @@
-"""Whether the device's time is of any use: what is asked for and never there must be said."""
+"""Report a device's time that was asked for but is never usable."""
 
 from rosbase.mapping.rejects import Reject
 
@@ -9,17 +9,17 @@ _IN_A_ROW = 20
 
 
 class Undated:
-    """Watches whether samples have the date that they are to be stamped with."""
+    """Watches whether samples have the date for their stamps."""
 
     __slots__ = ("_in_a_row", "finding")
 
     def __init__(self) -> None:
         self.finding = ""
-        """Why no sample has a usable date, in one line; empty if some have."""
+        """Reason why no sample has a usable date, in one line; empty if some have."""
         self._in_a_row = 0
 
     def add(self, fault: Reject | None) -> None:
-        """Take what is wrong with the date of one sample, or None if nothing is."""
+        """Take the fault of a sample's date, or None if there is none."""
         if fault is None:
             self._in_a_row, self.finding = 0, ""
             return

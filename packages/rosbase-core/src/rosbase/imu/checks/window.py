@@ -1,4 +1,4 @@
-"""A run of samples and its acceleration in two numbers, which several checks judge."""
+"""A window of samples: two numbers describe its acceleration, for several checks."""
 
 from math import hypot
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from rosbase.imu.mapping import Sample
 __all__ = ["WINDOW", "Window", "summarise"]
 
 WINDOW = 50
-"""Samples in a window."""
+"""Number of samples in a window."""
 
 # At rest, the norm of the acceleration varies by noise only: cheap sensors have a standard
 # deviation below 0.1 m/s^2. Turning the sensor does not change the norm of gravity.
@@ -21,13 +21,13 @@ class Window(NamedTuple):
 
     samples: list[Sample]
     norm: float
-    """The mean norm of the acceleration, in m/s^2."""
+    """Mean norm of the acceleration, in m/s^2."""
     stddev: float
-    """The standard deviation of the norm."""
+    """Standard deviation of the norm."""
     began_ns: int
-    """When the window before it ended, in nanoseconds since the epoch."""
+    """End of the window before, in nanoseconds since the epoch."""
     ended_ns: int
-    """When its last sample arrived."""
+    """Arrival of its last sample."""
 
     @property
     def is_still(self) -> bool:

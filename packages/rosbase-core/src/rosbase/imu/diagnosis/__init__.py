@@ -1,1 +1,1 @@
-"""What a frame that was refused is, if it is not what a reader takes. For those that are logged."""
+"""Diagnose refused frames that a reader cannot use. Only for frames that are logged."""

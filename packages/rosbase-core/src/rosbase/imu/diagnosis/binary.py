@@ -1,4 +1,4 @@
-"""Known kinds of bytes that are not text: compressed, packed, or the protocol of a sensor."""
+"""Known binary formats: compressed, packed, or the protocol of a sensor."""
 
 import zlib
 from collections.abc import Callable
@@ -45,7 +45,7 @@ _MARKS = (
 
 
 def diagnose_binary(frame: bytes) -> Cause | None:
-    """Say what kind of bytes a frame has, if it is a known one that is not text."""
+    """Return the binary format of a frame, if it is a known one that is not text."""
     for find in (_wide_text, _by_beginning, _by_structure, _packed, _one_byte):
         what = find(frame)
         if what:
@@ -120,7 +120,7 @@ def _is_mavlink(frame: bytes) -> bool:
 
 
 def _is_mqtt(frame: bytes) -> bool:
-    """A PUBLISH whose length is right and whose topic is text."""
+    """Return whether it is a PUBLISH with the right length and a text as topic."""
     if len(frame) < 6 or frame[0] >> 4 != 3:
         return False
     at, length, shift = 1, 0, 0

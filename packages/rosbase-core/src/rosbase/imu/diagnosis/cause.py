@@ -11,14 +11,14 @@ _LONGEST = 40
 
 @frozen
 class Cause:
-    """What a frame is, and what to do about it."""
+    """Contents of a frame, and advice."""
 
     text: str
-    """Half a line; what it quotes from the frame is escaped and cut."""
+    """Description in half a line; quotes from the frame are escaped and cut."""
     is_harmless: bool = False
-    """Whether a device that works says such things, as when it starts."""
+    """Whether a working device prints such things, as when it starts."""
 
 
 def shown(text: str) -> str:
-    """Return outside text as it may stand in a log: quoted, escaped and cut."""
+    """Return outside text fit for a log: quoted, escaped and cut."""
     return f"'{printable(text, _LONGEST)}'"

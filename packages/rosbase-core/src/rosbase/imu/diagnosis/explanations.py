@@ -1,4 +1,4 @@
-"""Why frames are refused, in words: the cause where one shows, else what is known of the reason."""
+"""Explain why frames are refused: by the cause if it shows, else by the known reason."""
 
 from collections.abc import Mapping
 
@@ -16,21 +16,21 @@ _OF_PAYLOADS = frozenset({"incomplete", "missing_group", "no_imu_data", "wrong_t
 
 
 class Explanations:
-    """Explains refusals. A frame is looked at only here, and only when it is to be logged."""
+    """Explains refusals. It examines a frame only when it will be logged."""
 
     def __init__(self, hints: Mapping[str, str], mapped: Mapped) -> None:
-        """Know nothing yet.
+        """Start without a frame.
 
         Args:
-            hints: What the transport has to say of a reason, by reason.
-            mapped: Where the mapping looks for each quantity.
+            hints: Hints of the transport, by reason.
+            mapped: Places in which the mapping looks for each quantity.
         """
         self._hints = hints
         self._mapped = mapped
         self._causes: dict[str, str] = {}
 
     def explain(self, reject: Reject, frame: bytes) -> Cause:
-        """Look at a frame that was refused; say why, in half a line."""
+        """Examine a refused frame; return why it was refused, in half a line."""
         cause = self._look(reject, frame)
         self._causes[reject.reason] = cause.text if cause else ""
         if cause is not None:
@@ -40,7 +40,7 @@ class Explanations:
         return Cause(detail or self.of(reject.reason), reject.reason in IGNORED)
 
     def of(self, reason: str) -> str:
-        """Say what a reason means: the cause in the frame that was last looked at, if it showed."""
+        """Return the meaning of a reason: the cause in the last examined frame, if it showed."""
         said = self._causes.get(reason)
         if said:
             return said

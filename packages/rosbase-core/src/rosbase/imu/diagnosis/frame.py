@@ -1,4 +1,4 @@
-"""What a frame is that could not be decoded. Pure; for frames that are logged, one at a time."""
+"""Diagnose a frame that could not be decoded. Pure; for frames that are logged, one at a time."""
 
 import json
 
@@ -16,7 +16,7 @@ _MOSTLY = 0.8
 
 
 def diagnose_frame(frame: bytes) -> Cause | None:
-    """Say what a frame is, if it is a known kind that is not JSON. Never raises.
+    """Return the kind of a frame, if it is a known kind that is not JSON. Never raises.
 
     Args:
         frame: A frame that was refused as `bad_json`, `not_data` or `not_utf8`.
@@ -33,7 +33,7 @@ def diagnose_frame(frame: bytes) -> Cause | None:
 
 
 def _damaged(frame: bytes) -> Cause | None:
-    """Text in another encoding, or with bytes that were damaged on their way."""
+    """Diagnose text in another encoding, or with bytes damaged on their way."""
     try:
         is_json = isinstance(json.loads(frame.decode("latin-1")), (dict, list))
     except (ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""Text that is nearly JSON: something around it, or one habit of another language in it."""
+"""Text that is nearly JSON: with something around it, or with a habit of another language in it."""
 
 import json
 import re
@@ -41,7 +41,7 @@ _AS_JSON = {"True": "true", "False": "false", "None": "null"}
 
 
 def diagnose_json(text: str) -> Cause | None:
-    """Say what keeps a text from being JSON, if it is nearly so."""
+    """Return what keeps a text from being JSON, if it nearly is."""
     text = text[:_MOST_TEXT].strip("\ufeff\0 \t\r\n")
     if not text.startswith("{") and text.endswith("}") and text.count("}") > text.count("{"):
         # As when a reader begins in the middle of a line.
@@ -54,7 +54,7 @@ def diagnose_json(text: str) -> Cause | None:
 
 
 def contains_json(text: str) -> bool:
-    """Tell whether a text is an object or a list in JSON, as where one is encoded twice."""
+    """Return whether a text is an object or a list in JSON, such as JSON that is encoded twice."""
     return text[:1] in ("{", "[") and _parses(text)
 
 
@@ -66,7 +66,7 @@ def _parses(text: str) -> bool:
 
 
 def _whole(text: str, start: int) -> tuple[bool, int]:
-    """Return whether JSON of some substance begins there, and where it ends."""
+    """Return whether substantial JSON begins there, and where it ends."""
     try:
         value, end = json.JSONDecoder().raw_decode(text, start)
     except (ValueError, RecursionError):
@@ -78,7 +78,7 @@ def _whole(text: str, start: int) -> tuple[bool, int]:
 
 
 def _around(text: str) -> str:
-    """JSON behind a prefix, before a tail, or several in a row."""
+    """Find JSON behind a prefix, before a tail, or several in a row."""
     starts = [found.start() for found in _START.finditer(text)][:_MOST_STARTS]
     for start in starts:
         is_json, end = _whole(text, start)
@@ -119,7 +119,7 @@ def _before(tail: str) -> str:
 
 
 def _escaped(text: str) -> str:
-    """JSON in a text, or with the backslashes of one."""
+    """Find JSON in a text, or with the backslashes of one."""
     if text.startswith('"'):
         try:
             inner = json.loads(text)
@@ -161,7 +161,7 @@ _HABITS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str], str]
     (_OTHER_NUMBER, _or_null, "numbers that JSON does not know, such as +1, .5, 5., 007 or 0x1F"),
     (_NO_COMMA, r"\1,\2", "a comma is missing between two values"),
 )
-"""What may be in a text, what JSON has in its place, and what it is called."""
+"""Patterns of other languages, with their form in JSON and their names."""
 
 
 def _habits(text: str) -> str:
@@ -183,7 +183,7 @@ def _habits(text: str) -> str:
 
 
 def _cut(text: str) -> str:
-    """Text that would be JSON if it went on."""
+    """Find text that would be JSON if it went on."""
     if not text.startswith("{"):
         return ""
     try:

@@ -1,4 +1,4 @@
-"""Why JSON that could be decoded is no sample: paths that led nowhere, and texts for numbers."""
+"""Explain why decoded JSON is no sample: paths that lead nowhere, and texts for numbers."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -29,16 +29,16 @@ _NO_READING = re.compile(
 
 @frozen
 class Mapped:
-    """Where a mapping looks, and for what not."""
+    """Places that a mapping reads, and its sentinels."""
 
     paths: _Paths
-    """By quantity, the most important first: the steps to its components, or to a list of them."""
+    """Steps to the components of a quantity, or to a list of them; most important first."""
     sentinels: frozenset[float] = frozenset()
     """Numbers that mean that there is no reading."""
 
 
 def mapped_by(mapping: ImuMapping) -> Mapped:
-    """Return where a mapping looks; of alternatives, the first."""
+    """Return the places that a mapping reads; of alternatives, the first."""
     # Few payloads have an orientation.
     ordered = sorted(
         GROUPS, key=lambda group: (group not in mapping.required, group not in VECTORS)
@@ -55,12 +55,12 @@ def mapped_by(mapping: ImuMapping) -> Mapped:
 
 
 def diagnose_payload(payload: object, reject: Reject, mapped: Mapped) -> Cause | None:
-    """Say why a mapping finds no sample in a payload, if that can be told. Never raises.
+    """Return why a mapping finds no sample in a payload, if that can be found out. Never raises.
 
     Args:
-        payload: What was in the frame.
-        reject: Why it was refused.
-        mapped: Where the mapping looks.
+        payload: Payload of the frame.
+        reject: Reason of the refusal.
+        mapped: Places that the mapping reads.
     """
     # A detail begins with the quantity.
     quantity = re.split("[: ]", reject.detail)[0]
@@ -84,7 +84,7 @@ def diagnose_payload(payload: object, reject: Reject, mapped: Mapped) -> Cause |
 
 
 def _no_reading(name: str, value: object, mapped: Mapped) -> Cause | None:
-    """Whether a quantity is absent because a number of it means so."""
+    """Return whether a quantity is absent because one of its numbers means so."""
     for one in value if isinstance(value, list) else [value]:
         if isinstance(one, (int, float)) and one in mapped.sentinels:
             return Cause(f"{name}: {one} means that there is no reading (mapping.sentinels)")

@@ -1,4 +1,4 @@
-"""A path that led nowhere: at which step, what is there instead, and where it may be."""
+"""Diagnose a path that leads nowhere: the failing step, the value there, and other places."""
 
 import difflib
 import json
@@ -22,19 +22,19 @@ _MOST_PLACES = 200
 
 
 class Lost(NamedTuple):
-    """Where a path leads nowhere."""
+    """Step at which a path leads nowhere."""
 
     text: str
-    """At which step, and what is there instead; half a line."""
+    """Failing step, and the value found there; half a line."""
     has_hint: bool
     """Whether it says what was meant."""
 
 
 def diagnose_path(payload: object, steps: Steps) -> Lost | None:
-    """Say where a path leads nowhere; return None if it leads on.
+    """Return where a path leads nowhere; return None if it leads to a value.
 
     Args:
-        payload: What was in the frame.
+        payload: Payload of the frame.
         steps: Keys, indices and conditions, as a mapping has them.
     """
     value, number = follow(payload, steps)
@@ -42,7 +42,7 @@ def diagnose_path(payload: object, steps: Steps) -> Lost | None:
 
 
 def follow(value: object, steps: Steps) -> tuple[object, int]:
-    """Return how far the steps lead, and how many of them that are."""
+    """Return the value that the steps lead to, and the number of steps that lead there."""
     for number, step in enumerate(steps):
         if isinstance(step, Each):
             # One element stands for each.
@@ -81,7 +81,7 @@ def _instead(payload: object, parent: object, steps: Steps, number: int) -> Lost
 
 
 def _unmet(where: str, parent: object, step: Where) -> Lost:
-    """Say which condition is not met, and what is there to compare."""
+    """Return which condition is not met, and the value to compare."""
     elements = parent if isinstance(parent, list) else [parent]
     condition = step.conditions[0]
     values = [mapping.resolve(element, condition.paths) for element in elements[:_MOST_KEYS]]
@@ -93,7 +93,7 @@ def _unmet(where: str, parent: object, step: Where) -> Lost:
 
 
 def _dotted(parent: dict[str, object], rest: Steps) -> str:
-    """A key that is written as the path is, dots included."""
+    """Find a key that is written as the path is, dots included."""
     keys = list(takewhile(lambda step: isinstance(step, (str, int)), rest))
     for count in range(len(keys), 1, -1):
         key = ".".join(str(step) for step in keys[:count])
@@ -114,7 +114,7 @@ def _plain(key: str) -> str:
 
 
 def _elsewhere(payload: object, steps: Steps) -> str:
-    """Say from where the whole path leads on, if there is such a place."""
+    """Return the place from which the whole path leads on, if there is one."""
     for place, value in islice(_places(payload, (), _DEEPEST), 1, _MOST_PLACES):
         if follow(value, steps)[1] == len(steps):
             return f"; there is one at {shown(show_steps((*place, *steps)))}"

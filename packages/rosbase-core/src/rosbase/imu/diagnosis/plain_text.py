@@ -1,4 +1,4 @@
-"""Text that is no JSON and never was: rows of numbers, sentences, and digits for bytes."""
+"""Text that is not JSON at all: rows of numbers, sentences, and digits for bytes."""
 
 import base64
 import binascii
@@ -26,7 +26,7 @@ _GPS_TALKERS = ("GP", "GN", "GL", "GA", "GB", "BD", "QZ")
 
 
 def diagnose_text(text: str) -> Cause | None:
-    """Say what a text is, if it is a known kind that is not JSON."""
+    """Return the kind of a text, if it is a known kind that is not JSON."""
     text = _COLOUR.sub("", text[:_MOST_TEXT]).strip("\0\r\n")
     known = diagnose_saying(text)
     if known is not None:

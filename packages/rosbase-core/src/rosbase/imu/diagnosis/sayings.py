@@ -1,4 +1,4 @@
-"""Text that devices and those around them are known to print: starts, crashes, modems, servers."""
+"""Known texts of devices and related programs: boot messages, crashes, modems, servers."""
 
 import re
 
@@ -83,7 +83,7 @@ _COMPILED = ((_compiled(_FAULTS), False), (_compiled(_AT_START), True))
 
 
 def diagnose_saying(text: str) -> Cause | None:
-    """Say what a text is, if devices, or programs around them, are known to print such a one."""
+    """Return the kind of a text, if devices or programs around them are known to print it."""
     text = text.casefold().strip()
     for sayings, is_harmless in _COMPILED:
         for what, pattern in sayings.items():

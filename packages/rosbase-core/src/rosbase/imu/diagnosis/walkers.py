@@ -1,4 +1,4 @@
-"""Reads bytes as a packed format would, to tell whether they are of it. Decodes nothing."""
+"""Walk through bytes as a packed format would, to detect the format. Decodes nothing."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ _FIELD_TYPES = {0, 1, 2, 5}
 
 
 class _OtherFormatError(Exception):
-    """The bytes are none of the format."""
+    """The bytes are not in the format."""
 
 
 class _Bytes:
@@ -40,7 +40,7 @@ class _Bytes:
         return int.from_bytes(self.take(size), "big")
 
     def item(self) -> int:
-        """Return the first byte of the next item; there are not many."""
+        """Return the first byte of the next item; the number of items is limited."""
         self._items += 1
         if self._items > _MOST_ITEMS:
             raise _OtherFormatError
@@ -63,18 +63,18 @@ def _fits(data: bytes, walk: Callable[[_Bytes], None]) -> bool:
 
 
 def is_cbor(data: bytes) -> bool:
-    """Tell whether the bytes are one map or array of CBOR (RFC 8949), with something in it."""
+    """Return whether the bytes are one non-empty map or array of CBOR (RFC 8949)."""
     return len(data) > 4 and data[0] >> 5 in (4, 5) and _fits(data, _cbor)
 
 
 def is_message_pack(data: bytes) -> bool:
-    """Tell whether the bytes are one map or array of MessagePack, with something in it."""
+    """Return whether the bytes are one non-empty map or array of MessagePack."""
     begins = len(data) > 4 and (0x80 < data[0] <= 0x9F or data[0] in (0xDC, 0xDD, 0xDE, 0xDF))
     return begins and _fits(data, _message_pack)
 
 
 def is_protobuf(data: bytes) -> bool:
-    """Tell whether the bytes are fields of protobuf, with plausible numbers, from end to end."""
+    """Return whether the bytes are fields of protobuf, with plausible numbers, from end to end."""
     return len(data) > 8 and _fits(data, _protobuf)
 
 

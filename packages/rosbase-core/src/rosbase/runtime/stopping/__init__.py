@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP as a wish to stop, and an end for code that does not come back."""
+"""Ctrl-C, SIGTERM and SIGHUP as requests to stop, and an end for code that does not return."""
 
 from rosbase.runtime.stopping.interrupt import Interrupt
 from rosbase.runtime.stopping.limit import limit_real_time

@@ -1,8 +1,8 @@
-"""Raises an exception in code of the program that blocks the main thread.
+"""Raise an exception in user code that blocks the main thread.
 
 Only a signal handler can do that: it also ends a `sleep`, an `input()` or a wait for a lock, which
-`_thread.interrupt_main` does not. So a thread sends the main thread SIGURG, which means nothing to
-a process that does not handle it, and the handler raises.
+`_thread.interrupt_main` does not. So a thread sends the main thread SIGURG, and the handler
+raises. Processes that do not handle SIGURG ignore it.
 """
 
 import _thread
@@ -29,9 +29,9 @@ Defer: TypeAlias = Callable[[Callable[[], object]], object]
 class Interrupt:
     """Raises in user code of the main thread, once that is due, until it is disarmed.
 
-    It never raises in rosbase itself, which would be left in disorder. While rosbase runs, it
-    tries again 10 ms later. Where user code waits in rosbase, such as in `spin_once`, the exception
-    is raised there by a deferred call.
+    It never raises in rosbase itself, because that could leave it in a broken state. While
+    rosbase runs, it tries again 10 ms later. Where user code waits in rosbase, such as in
+    `spin_once`, the exception is raised there by a deferred call.
     """
 
     def __init__(
@@ -40,8 +40,8 @@ class Interrupt:
         """Prepare nothing yet.
 
         Args:
-            make_error: Makes the exception; given the frame in which it is raised.
-            defer: Queues a call for whatever spins: `Backend.call_soon`.
+            make_error: Makes the exception, for the frame in which it is raised.
+            defer: Queues a call for the spinning thread: `Backend.call_soon`.
         """
         self._make_error = make_error
         self._defer = defer
@@ -56,7 +56,8 @@ class Interrupt:
     def arm(self, delay_s: float, *, repeats: bool) -> None:
         """Raise after that time, and with `repeats` again every half second.
 
-        For the main thread, its signal handlers included; for other threads after `prepare`.
+        Call it on the main thread or in its signal handlers; on other threads only after
+        `prepare`.
         """
         self._repeats = repeats
         self._due_ns = self._clock.monotonic_ns() + int(delay_s * 1e9)
@@ -69,7 +70,7 @@ class Interrupt:
         _thread.start_new_thread(self._knock_until_disarmed, ())
 
     def prepare(self) -> None:
-        """Let other threads arm it, until it is disarmed. For the main thread."""
+        """Let other threads arm it, until it is disarmed. Call it on the main thread."""
         if not self._is_prepared and _KNOCK is not None:
             self._is_prepared = True
             self._handler_before = signal.signal(_KNOCK, self._handle)
@@ -81,7 +82,7 @@ class Interrupt:
                 self.arm(delay_s, repeats=True)
 
     def disarm(self) -> None:
-        """Raise no more. For the main thread, outside of a signal handler."""
+        """Stop raising. Call it on the main thread, outside of a signal handler."""
         self._due_ns = None
         if not self._is_prepared or _KNOCK is None:
             return
@@ -97,7 +98,7 @@ class Interrupt:
         signal.signal(_KNOCK, self._handler_before)
 
     def raise_in(self, frame: FrameType | None) -> None:
-        """Raise if it is due and the frame is user code's. Called by signal handlers."""
+        """Raise if it is due and the frame is user code. Called by signal handlers."""
         if self._due_ns is None or self._clock.monotonic_ns() < self._due_ns:
             return
         if not is_user_code(frame):
@@ -138,11 +139,11 @@ class Interrupt:
 
 
 def is_user_code(frame: FrameType | None, *, innermost: bool = False) -> bool:
-    """Tell whether the innermost frame that is not the standard library's is not rosbase's.
+    """Return whether the innermost frame outside the standard library is user code, not rosbase.
 
     Args:
-        frame: Where to begin.
-        innermost: Whether to look at this frame alone.
+        frame: Frame to begin with.
+        innermost: Whether to look only at this frame.
     """
     while frame is not None:
         package = str(frame.f_globals.get("__name__", "")).partition(".")[0]

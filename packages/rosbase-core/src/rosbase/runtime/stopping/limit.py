@@ -1,4 +1,4 @@
-"""An end, with a reason, for a run in virtual time that does not come to one by itself."""
+"""End a run in virtual time that does not end by itself, with a reason."""
 
 import threading
 from collections.abc import Iterator
@@ -12,14 +12,15 @@ __all__ = ["limit_real_time"]
 
 @contextmanager
 def limit_real_time(clock: object, defer: Defer) -> Iterator[None]:
-    """Raise TimeoutError in a run that takes longer, in real time, than its clock allows.
+    """Raise TimeoutError if a run takes longer in real time than its clock allows.
 
-    A run in virtual time hangs where its program sleeps in real time, where callbacks feed each
-    other, or where nobody stops it. Outside of the main thread nothing is limited.
+    A run in virtual time hangs if its program sleeps in real time, if callbacks feed each
+    other, or if nothing stops it. Outside of the main thread there is no limit.
 
     Args:
-        clock: Its `real_limit_s` is the limit in seconds; without one, or with None, there is none.
-        defer: Queues a call for whatever spins, from a signal handler.
+        clock: Its `real_limit_s` is the limit in seconds; without one, or with None, there is
+            none.
+        defer: Queues a call for the spinning thread, from a signal handler.
     """
     limit_s: float | None = getattr(clock, "real_limit_s", None)
     if limit_s is None or threading.current_thread() is not threading.main_thread():

@@ -1,7 +1,7 @@
-"""Signal handlers that a C library has installed, such as rclpy's, of which Python does not know.
+"""Signal handlers installed by a C library, such as rclpy's, which Python does not know.
 
-`signal.getsignal` and `signal.signal` see Python's own table alone: what is put back with them
-takes the place of the library's handler.
+`signal.getsignal` and `signal.signal` only use Python's own table. Restoring a handler with them
+replaces the library's handler.
 """
 
 import ctypes
@@ -14,19 +14,19 @@ _MOST_BYTES = 512
 
 
 def read_handler(signum: int) -> bytes:
-    """Return what the system has for a signal; empty where it cannot be asked."""
+    """Return the system's handler of a signal; empty if it cannot be read."""
     found = ctypes.create_string_buffer(_MOST_BYTES)
     return found.raw if _sigaction(signum, None, found) else b""
 
 
 def write_handler(signum: int, handler: bytes) -> None:
-    """Put back what `read_handler` has given."""
+    """Restore a handler from `read_handler`."""
     if handler:
         _sigaction(signum, handler, None)
 
 
 def is_same_handler(one: bytes, other: bytes) -> bool:
-    """Tell whether two are the same function, whatever their flags and masks."""
+    """Return whether two handlers are the same function, whatever their flags and masks."""
     size = ctypes.sizeof(ctypes.c_void_p)
     return one[:size] == other[:size]
 

@@ -1,8 +1,9 @@
-"""What SIGINT, SIGTERM and SIGHUP do while a program runs.
+"""Handling of SIGINT, SIGTERM and SIGHUP while a program runs.
 
-The first wish asks for the stop; user code that has not come back after half a second gets
-KeyboardInterrupt. The second wish raises it at once; within the clean-up it ends only the step
-that blocks. The third wish ends the process. Signals within a second are one wish.
+The first request asks for the stop; user code that has not returned after half a second gets
+KeyboardInterrupt. The second request raises it at once; within the clean-up it ends only the
+blocking step. The third request ends the process. Signals within a second count as one request,
+which is called a wish in the code.
 """
 
 import atexit
@@ -35,15 +36,15 @@ _clock = SystemClock()
 
 
 class StopSignals:
-    """The wishes to stop of one run, from its first step to the end of its clean-up."""
+    """Requests to stop one run, from its first step to the end of its clean-up."""
 
     def __init__(self, request_stop: Callable[[], object], defer: Defer | None = None) -> None:
         """Prepare a run.
 
         Args:
-            request_stop: Asks for the stop. It runs in a signal handler: it must be quick and take
-                no locks.
-            defer: Queues a call for whatever spins, from a signal handler.
+            request_stop: Asks for the stop. It runs in a signal handler, so it must be quick and
+                take no locks.
+            defer: Queues a call for the spinning thread, from a signal handler.
         """
         self._request_stop = request_stop
         self._wishes = Wishes()
@@ -58,7 +59,7 @@ class StopSignals:
 
     @property
     def came_from_outside(self) -> bool:
-        """Whether a signal has asked for the stop, or the end of a required child."""
+        """Whether a signal, or the end of a required child, has asked for the stop."""
         return self.was_asked or self._ended_with_a_child
 
     def prepare_for_children(self) -> None:
@@ -67,29 +68,29 @@ class StopSignals:
             self._interrupt.prepare()
 
     def child_has_ended(self) -> None:
-        """Ask for the stop because a required child has ended. On any thread.
+        """Ask for the stop because a required child has ended. Call it from any thread.
 
-        User code that blocks is interrupted as by the first wish.
+        Blocking user code is interrupted as by the first request.
         """
         self._ended_with_a_child = True
         self._request_stop()
         self._interrupt.arm_from_thread(_PATIENCE_S)
 
     def begin_clean_up(self) -> None:
-        """Interrupt nothing more that the first wish was for."""
+        """Stop the interruption that the first request started."""
         self._cleans_up = True
         self._interrupt.disarm()
 
     def begin_step(self) -> None:
-        """Begin a step of the clean-up: a wish that was for the step before is over."""
+        """Begin a step of the clean-up: a request for the step before is over."""
         self._interrupt.disarm()
 
     def end(self) -> None:
-        """Interrupt nothing more."""
+        """Stop all interruptions."""
         self._interrupt.disarm()
 
     def handle(self, signum: int, frame: FrameType | None) -> None:
-        """Take a signal. For `signal.signal`."""
+        """Handle a signal. For `signal.signal`."""
         if not self._wishes.add(_clock.monotonic_ns()):
             return
         if self._wishes.count >= _FORCE_WISHES:
@@ -109,17 +110,19 @@ def stop_on_signals(
     *,
     yields_to_outer: bool = False,
 ) -> Iterator[StopSignals]:
-    """Have SIGINT, SIGTERM and SIGHUP ask for a stop, as long as the context lasts.
+    """Let SIGINT, SIGTERM and SIGHUP ask for a stop, as long as the context lasts.
 
-    A SIGHUP that is ignored, as under nohup, stays ignored. After the context, further signals are
-    ignored for a second if one has asked for the stop; then the handlers from before are back.
-    Outside of the main thread, where Python delivers no signals, nothing changes.
+    A SIGHUP that is ignored, as under nohup, stays ignored. After the context, the earlier
+    handlers are restored. If a signal has asked for the stop, further signals are first
+    ignored for a second. Outside of the main thread, where Python delivers no signals, nothing
+    changes.
 
     Args:
-        request_stop: As in `StopSignals`.
-        defer: As in `StopSignals`.
-        yields_to_outer: Whether nothing changes within such a context either. Afterwards, handlers
-            of C libraries are back too, which after a run would be those of what has ended.
+        request_stop: Passed to `StopSignals`.
+        defer: Passed to `StopSignals`.
+        yields_to_outer: Whether to change nothing within another such context. Afterwards,
+            handlers of C libraries are restored too. After a run, those would belong to a library
+            that has ended.
     """
     stop = StopSignals(request_stop, defer)
     is_main = threading.current_thread() is threading.main_thread()
@@ -136,16 +139,16 @@ def stop_on_signals(
 
 
 class _Handlers:
-    """Whose handlers are in place in this process. Used on the main thread only."""
+    """Keeps track of which handlers are installed in this process. For the main thread only."""
 
     def __init__(self) -> None:
         self.active = 0
-        """How many contexts last."""
+        """Number of active contexts."""
         self._quiet_until_ns = 0
         self._after_quiet: Mapping[int, Any] = {}
 
     def install(self, stop: StopSignals) -> "_Before":
-        """Put the handlers of a run in place; return the handlers from before."""
+        """Install the handlers of a run; return the earlier handlers."""
         self._end_quiet()
         self.active += 1
         numbers = [
@@ -158,7 +161,7 @@ class _Handlers:
         return _Before(handlers, native, {number: read_handler(number) for number in numbers})
 
     def remove(self, before: "_Before", *, is_quiet: bool, is_native_kept: bool) -> None:
-        """Put the handlers from before back, at once or after a second without signals."""
+        """Restore the earlier handlers, at once or after a second without signals."""
         self.active -= 1
         if is_quiet:
             self._quiet_until_ns = _clock.monotonic_ns() + _QUIET_NS
@@ -169,7 +172,7 @@ class _Handlers:
         _set(dict.fromkeys(before.handlers, self._ignore_for_now))
 
     def ignore_to_the_end(self) -> None:
-        """Keep Python, which puts the system's handlers back when it ends, from doing so."""
+        """Keep Python from restoring the system's handlers when it ends."""
         if self._after_quiet and _clock.monotonic_ns() < self._quiet_until_ns:
             _set(dict.fromkeys(self._after_quiet, signal.SIG_IGN))
 
@@ -191,17 +194,17 @@ class _Handlers:
 
 @frozen
 class _Before:
-    """The handlers from before a run."""
+    """Handlers from before a run."""
 
     handlers: Mapping[int, Any]
-    """Those that Python knows."""
+    """Handlers that Python knows."""
     native: Mapping[int, bytes]
-    """Those that the system knows."""
+    """Handlers that the system knows."""
     ours: Mapping[int, bytes]
-    """What the system knows of a run's."""
+    """Handlers of a run, as the system knows them."""
 
     def put_back(self, *, is_native_kept: bool) -> None:
-        """Put them back; one that a library has installed during the run stays."""
+        """Restore the handlers; keep one that a library has installed during the run."""
         if not is_native_kept:
             _set(self.handlers)
             return

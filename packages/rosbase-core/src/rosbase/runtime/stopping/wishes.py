@@ -1,29 +1,29 @@
-"""Which signals are one wish: tools and terminals send the same wish twice."""
+"""Count signals as requests to stop: tools and terminals send the same request twice."""
 
 __all__ = ["Wishes"]
 
 SAME_WISH_NS = 1_000_000_000
-"""A signal this soon after the last counted one is the same wish."""
+"""Nanoseconds after a counted signal in which another one is the same request."""
 
 
 class Wishes:
-    """Counts wishes to stop. Pure: the caller says when each signal came."""
+    """Counts requests to stop. Pure: the caller gives the time of each signal."""
 
     __slots__ = ("_last_ns", "count")
 
     def __init__(self) -> None:
         self.count = 0
-        """How many wishes there have been."""
+        """Number of requests so far."""
         self._last_ns = 0
 
     def add(self, now_ns: int) -> bool:
-        """Take a signal; tell whether it is a wish of its own.
+        """Take a signal; return whether it is a new request.
 
         `uv run`, `npm` and terminals signal a whole group and then pass the signal on, so a
         program may get each signal twice.
 
         Args:
-            now_ns: When the signal came, on the monotonic clock.
+            now_ns: Time of the signal, on the monotonic clock.
         """
         if self.count and now_ns - self._last_ns < SAME_WISH_NS:
             return False
