@@ -253,7 +253,7 @@ def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> Non
     assert main(["imu", "--list-parameters"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[:2] == ["most used", f"  {'comm_t:=serial':44}  the transport, by name"]
-    assert f"  {'autostart:=activate':44}  how far the node is brought up by itself" in lines
+    assert f"  {'autostart:=activate':44}  how far the node goes by itself" in lines
     assert "payload mapping" in lines
     # What it shows can be given back.
     shown = [line[2:].partition("  ")[0] for line in lines if ":=" in line and "=[]" not in line]

@@ -3,6 +3,8 @@
 import ast
 import inspect
 import re
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,31 @@ from rosbase.testing import TransportContract, backend_contract
 
 PACKAGES = Path(__file__).parents[2] / "packages"
 NODES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+BAD_OPENINGS = re.compile(r"(Who|Whoever|What|That of|Those of|So many)\b")
+MOST_WORDS = 30
+
+
+def docstrings_of(tree: ast.AST) -> Iterator[str]:
+    """Those of modules, classes and functions, and the texts below constants and attributes."""
+    for node in ast.walk(tree):
+        if isinstance(node, NODES):
+            yield ast.get_docstring(node) or ""
+            for statement, after in pairwise(node.body):
+                is_named = isinstance(statement, (ast.Assign, ast.AnnAssign))
+                if (
+                    is_named
+                    and isinstance(after, ast.Expr)
+                    and isinstance(after.value, ast.Constant)
+                ):
+                    yield str(after.value.value)
+
+
+def is_hard_to_read(docstring: str) -> bool:
+    line = docstring.strip().partition("\n")[0]
+    sentences = re.split(r"(?<=[.!?:;]) ", line)
+    return BAD_OPENINGS.match(line) is not None or any(
+        len(sentence.split()) > MOST_WORDS for sentence in sentences
+    )
 
 
 def code_in(docstring: str) -> str:
@@ -44,6 +71,26 @@ def test_every_docstring_with_code_is_tested_here() -> None:
         "rosbase/testing/backend_contract.py",
         "rosbase/testing/transport_contract.py",
     }
+
+
+def test_the_floor_of_english_refuses_what_it_should() -> None:
+    assert is_hard_to_read("What a transport is doing.")
+    assert is_hard_to_read("So many usual payloads.")
+    assert is_hard_to_read("Return " + "very " * 30 + "much.")
+    assert not is_hard_to_read("State of a transport.")
+    assert not is_hard_to_read("Return the state.\n\nWhat follows the first line is not judged.")
+
+
+def test_docstrings_begin_in_plain_english() -> None:
+    files = [file for file in PACKAGES.glob("*/src/**/*.py")]
+    assert len(files) > 200
+    found = [
+        f"{file.name}: {docstring.strip().partition(chr(10))[0]}"
+        for file in files
+        for docstring in docstrings_of(ast.parse(file.read_text()))
+        if is_hard_to_read(docstring)
+    ]
+    assert found == []
 
 
 def test_the_tree_of_errors_is_the_tree_of_classes() -> None:

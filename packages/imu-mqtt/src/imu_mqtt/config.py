@@ -43,7 +43,7 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
         "keepalive", 15, "seconds of silence after which a ping is sent", minimum=1, maximum=65_535
     ),
     _text("mqtt_version", "3.1.1", "version of the protocol", "3.1.1", "5"),
-    _text("username", "", f"who we are; the password is in ${PASSWORD_VARIABLE} or a file"),
+    _text("username", "", f"user name; the password is in ${PASSWORD_VARIABLE} or a file"),
     _text("password_file", "", "a file that holds the password, and nothing else"),
     _text("tls_ca_file", "", "certificates to trust, in PEM; empty: those of the system"),
     _text("tls_cert_file", "", "our own certificate, in PEM, if the broker asks for one"),
@@ -51,12 +51,12 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     _text(
         "status_topic",
         "",
-        "where `online` and `offline` are kept, as last will too; empty: nowhere",
+        "topic that keeps `online` and `offline`, also as last will; empty: none",
     ),
     ParameterSpec(
         "wait_for_broker",
         default=False,
-        description="whether a broker that is absent or refuses is waited for, not a failure",
+        description="wait for a broker that is absent or refuses, instead of failing",
     ),
 )
 """Parameters that the transport adds to a reader's. The first one selects the broker."""

@@ -24,25 +24,25 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     ParameterSpec(
         "baudrate",
         _DEFAULT_BAUDRATE,
-        "bits per second, as the device has them",
+        "bits per second, as set on the device",
         minimum=1,
         maximum=20_000_000,
     ),
     ParameterSpec(
         "wait_for_device",
         default=False,
-        description="whether an absent device is waited for, instead of a failure",
+        description="wait for an absent device, instead of failing",
     ),
     ParameterSpec(
         "dtr",
         LEAVE,
-        "the line DTR once the port is open; a change of it resets many boards",
+        "state of the line DTR once the port is open; a change resets many boards",
         choices=(LEAVE, ON, OFF),
     ),
     ParameterSpec(
         "rts",
         LEAVE,
-        "the line RTS once the port is open; with DTR it resets an ESP32",
+        "state of the line RTS once the port is open; with DTR it resets an ESP32",
         choices=(LEAVE, ON, OFF),
     ),
     ParameterSpec(

@@ -2,7 +2,7 @@
 
 ```
 RosbaseError
-├── ConfigurationError            the user can mend it; shown as one line, exit status 2
+├── ConfigurationError            a usage error; shown as one line, exit status 2
 │   ├── ParameterError            baudrate:=fast, an unknown parameter
 │   ├── NotInstalledError         no such backend, transport or preset
 │   └── MappingError              a payload mapping that cannot be built

@@ -163,9 +163,9 @@ class Pose:
     """Position and orientation (geometry_msgs/Pose)."""
 
     position: Point = Point()
-    """In metres."""
+    """Position in metres."""
     orientation: Quaternion = Quaternion()
-    """A unit quaternion."""
+    """Orientation, a unit quaternion."""
 
 
 @frozen
@@ -181,9 +181,9 @@ class Twist:
     """Velocity, measured or commanded (geometry_msgs/Twist)."""
 
     linear: Vector3 = Vector3()
-    """m/s; forward, left and up for a robot."""
+    """Linear velocity in m/s; forward, left and up for a robot."""
     angular: Vector3 = Vector3()
-    """rad/s about the same axes; positive z turns left."""
+    """Angular velocity in rad/s about the same axes; positive z turns left."""
 
 
 @frozen
@@ -192,9 +192,9 @@ class Joy:
 
     header: Header = Header()
     axes: tuple[float, ...] = ()
-    """-1 to 1 each; left and forward are positive."""
+    """Positions of the axes, -1 to 1 each; left and forward are positive."""
     buttons: tuple[int, ...] = ()
-    """1 while it is pressed, else 0."""
+    """State of each button: 1 while it is pressed, else 0."""
 
 
 @frozen
@@ -207,11 +207,11 @@ class JointState:
     header: Header = Header()
     name: tuple[str, ...] = ()
     position: tuple[float, ...] = ()
-    """rad, or m for a joint that slides."""
+    """Positions in rad, or m for a sliding joint."""
     velocity: tuple[float, ...] = ()
-    """rad/s, or m/s."""
+    """Velocities in rad/s, or m/s."""
     effort: tuple[float, ...] = ()
-    """Nm, or N."""
+    """Efforts in Nm, or N."""
 
 
 @frozen
@@ -226,15 +226,15 @@ class Imu:
     orientation: Quaternion = Quaternion()
     """Orientation of the sensor frame in the world frame (ENU), a unit quaternion."""
     orientation_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
-    """rad^2, about x, y, z."""
+    """Covariance in rad^2, about x, y, z."""
     angular_velocity: Vector3 = Vector3()
-    """rad/s, in the sensor frame."""
+    """Angular velocity in rad/s, in the sensor frame."""
     angular_velocity_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
-    """(rad/s)^2."""
+    """Covariance in (rad/s)^2."""
     linear_acceleration: Vector3 = Vector3()
     """Specific force in m/s^2: a sensor that lies flat and still shows +9.81 on z."""
     linear_acceleration_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
-    """(m/s^2)^2."""
+    """Covariance in (m/s^2)^2."""
 
 
 @frozen
@@ -243,9 +243,9 @@ class MagneticField:
 
     header: Header = Header()
     magnetic_field: Vector3 = Vector3()
-    """Tesla, in the sensor frame; NaN on an axis that is not reported."""
+    """Magnetic field in tesla, in the sensor frame; NaN on an axis that is not reported."""
     magnetic_field_covariance: Covariance = field(default=COVARIANCE_UNKNOWN, validator=_nine)
-    """T^2; all zeros: unknown."""
+    """Covariance in T^2; all zeros: unknown."""
 
 
 @frozen

@@ -1,8 +1,8 @@
 """rclpy's executor on its own thread: it receives messages, and hands them to the main loop.
 
-So the main loop keeps its rate and its cost whatever rclpy does, and services are answered while
-the main thread is busy. rclpy's EventsExecutor would cost a third for each message, but it cannot
-run the coroutines that such answers need.
+So the main loop keeps its rate and its cost whatever rclpy does. Services are answered while the
+main thread is busy. The EventsExecutor of rclpy would cost a third for each message, but it cannot
+run the coroutines for such answers.
 """
 
 import threading

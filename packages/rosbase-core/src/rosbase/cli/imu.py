@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.epilog = COUNTS_HELP
     add_parameters(parser)
     parser.add_argument(
-        "--duration", type=positive_number, metavar="S", help="end after so many seconds"
+        "--duration", type=positive_number, metavar="S", help="end after this many seconds"
     )
     parser.add_argument(
         "--topic-echo",
@@ -40,10 +40,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--managed",
         action="store_true",
-        help="start unconfigured, for others to bring it up, and show nothing but the log",
+        help="start unconfigured, so that another program brings it up; show only the log",
     )
     add_log_level(parser)
-    parser.add_argument("--backend", help="what carries the topics (default: local)")
+    parser.add_argument("--backend", help="the backend that carries the topics (default: local)")
     parser.add_argument(
         "--list-parameters", action="store_true", help="list the parameters and end"
     )

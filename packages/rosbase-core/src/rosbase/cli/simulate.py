@@ -41,10 +41,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="samples per second (100)",
     )
     parser.add_argument(
-        "--fault", choices=list(summaries), metavar="FAULT", help="what is wrong with the device"
+        "--fault",
+        choices=list(summaries),
+        metavar="FAULT",
+        help="simulate this fault of the device",
     )
     parser.add_argument(
-        "--duration", type=positive_number, metavar="S", help="end after so many seconds"
+        "--duration", type=positive_number, metavar="S", help="end after this many seconds"
     )
 
 

@@ -14,7 +14,7 @@ Guard: TypeAlias = Callable[[], object]
 """Function called for its truth value. It may be called often, and should change nothing."""
 
 ANY: Final = "*"
-"""As a source: every state but the transition's target."""
+"""Source that stands for every state except the transition's target."""
 
 
 @frozen

@@ -65,7 +65,7 @@ def _full_scale(quantity: str, unit: str) -> ParameterSpec:
     return ParameterSpec(
         f"{quantity}_full_scale",
         FULL_SCALES[quantity],
-        f"the largest component that the sensor can measure, in {unit}; more is out_of_range",
+        f"maximum of a component that the sensor can measure, in {unit}; more is out_of_range",
         minimum=0.0,
         maximum=LARGEST,
     )
@@ -75,12 +75,12 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
     yield _preset_texts("mapping.select", "conditions that a payload must meet, such as T=1002")
     yield _preset_texts("mapping.required", "quantities without which a sample is refused")
     for group in GROUPS:
-        yield _preset_texts(f"mapping.{group}.paths", f"where the components of the {group} are")
+        yield _preset_texts(f"mapping.{group}.paths", f"paths to the components of the {group}")
     for group in VECTORS:
         yield _preset_text(f"mapping.{group}.unit", f"the unit of the {group}")
     yield _preset_text("mapping.orientation.order", "order of the quaternion: xyzw or wxyz")
     yield _preset_texts(
-        "mapping.time.paths", "where the time is: one path, or seconds and nanoseconds"
+        "mapping.time.paths", "paths to the time: one, or two for seconds and nanoseconds"
     )
     yield _preset_text("mapping.time.unit", "the unit of a lone time value: s, ms, us or ns")
     yield _preset_text(
@@ -88,12 +88,12 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
         "the time between the samples of one message, such as 5 ms, 200 Hz or rate Hz",
     )
     yield _preset_text(
-        "mapping.absent", "what a number is that a payload leaves out: missing, or zero"
+        "mapping.absent", "meaning of a number that a payload leaves out: missing, or zero"
     )
     yield ParameterSpec(
         "mapping.numeric_strings",
         default=False,
-        description="whether a text such as 1.5 is a number",
+        description="accept a text such as 1.5 as a number",
     )
     yield ParameterSpec(
         "mapping.sentinels",
@@ -104,7 +104,7 @@ def _mapping_parameters() -> Iterable[ParameterSpec]:
     yield ParameterSpec(
         "mapping.quaternion_tolerance",
         0.05,
-        "how far from 1 the norm of an orientation may be",
+        "maximum deviation of an orientation's norm from 1",
         minimum=0.0,
         maximum=MAX_TOLERANCE,
     )
@@ -114,7 +114,7 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
     _text("comm_t", DEFAULT_TRANSPORT, "the transport, by name"),
     _text("preset", DEFAULT_PRESET, "the payload of a known device, by name"),
     _text("frame_id", "imu_link", "the name of the sensor's frame"),
-    _text("topic_namespace", "imu", "what the topics data, data_raw and mag stand under"),
+    _text("topic_namespace", "imu", "namespace of the topics data, data_raw and mag"),
     _text(
         "time_source",
         "arrival",
@@ -123,13 +123,16 @@ READER_PARAMETERS: tuple[ParameterSpec, ...] = (
         "device",
     ),
     ParameterSpec(
-        "stale_timeout", 1.0, "seconds without a sample after which health is WARN", minimum=0.001
+        "stale_timeout",
+        1.0,
+        "seconds without a sample after which the health is WARN",
+        minimum=0.001,
     ),
     *CHECK_PARAMETERS,
     ParameterSpec(
         "autostart",
         "none",
-        "how far the node is brought up by itself",
+        "how far the node goes by itself",
         choices=("none", "configure", "activate"),
         read_only=True,
     ),

@@ -161,7 +161,10 @@ class RosbaseLogger:
         return self.get_effective_level()
 
     def _way(self, level: int) -> bool | None:
-        """Whether a record of this level goes to the application's handlers; None: nowhere."""
+        """Return whether the application's handlers get a record of this level.
+
+        None means that nobody does.
+        """
         logger = self._logger
         if level < self._default_level and not logger.isEnabledFor(level) and not logger.disabled:
             # Nowhere either way. Python remembers the answer, so this costs next to nothing.

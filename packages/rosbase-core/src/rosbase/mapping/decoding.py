@@ -18,7 +18,7 @@ else:
 __all__ = ["REPEATED", "decode_payload"]
 
 REPEATED = "the key"
-"""How the detail of a refusal begins when an object has a key twice."""
+"""Beginning of a refusal's detail when an object has a key twice."""
 
 _decode = json.JSONDecoder().decode
 

@@ -69,9 +69,9 @@ class PayloadMapping:
         """Return the function that reads a frame.
 
         Args:
-            make: Makes a sample of a list: the numbers of each quantity, or None; the date in
-                nanoseconds since 1970, or None; and a tuple with a `Reject` for each quantity,
-                or date, that was left out of the sample.
+            make: Makes a sample of a list. The list has the numbers of each quantity, or None, and
+                the date in nanoseconds since 1970, or None. It ends with a tuple: a `Reject` for
+                each quantity, or date, that was left out of the sample.
             device_time: Whether to read dates.
             nothing: The reason for payloads without any quantity of the mapping.
 

@@ -21,7 +21,7 @@ def repeated_key(frame: bytes, payload: Any) -> str | None:
 
     Args:
         frame: Valid JSON.
-        payload: What a decoder has made of it.
+        payload: The same message, decoded.
 
     Raises:
         RecursionError: It is nested too deeply.

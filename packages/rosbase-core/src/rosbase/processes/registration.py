@@ -121,7 +121,7 @@ def register_multiprocess_nodes(
             process, on the backend that `ROSBASE_BACKEND` names. The key is the name of its node.
             Topics of the local backend are shared between the processes.
         cmds_dict: Commands for `/bin/sh` by name, with pipes and a trailing `&` if you like.
-        restart: What to do when a child ends by itself: `never`, `on-failure`, `always` or a
+        restart: Policy for a child that ends by itself: `never`, `on-failure`, `always` or a
             `RestartPolicy`; for all of them, or by name.
         required: The children that the program requires: their names, or True for all. When one
             ends for good, with any status, the manager cleans up and the program ends with that

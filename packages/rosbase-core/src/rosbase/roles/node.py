@@ -83,9 +83,7 @@ class BaseNode(Constructed, Component):
         return self._backend.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
-        """Create a timer:
-
-        `callback()` is called on the main-loop thread, once per period in seconds.
+        """Create a timer: `callback()` is called on the main-loop thread, once per period.
 
         Raises:
             TypeError: The callback cannot be called, or is async or a generator.

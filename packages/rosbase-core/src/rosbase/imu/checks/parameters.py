@@ -40,7 +40,7 @@ CHECK_PARAMETERS: tuple[ParameterSpec, ...] = (
         "the checksum at the end of each line",
         choices=(NO_CHECKSUM, *CHECKSUMS),
     ),
-    ParameterSpec("checksum_separator", "*", "what stands before the checksum"),
+    ParameterSpec("checksum_separator", "*", "text before the checksum"),
 )
 """Check parameters of every reader. `docs/checks.md` explains them."""
 
