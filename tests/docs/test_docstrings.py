@@ -82,7 +82,7 @@ def test_the_floor_of_english_refuses_what_it_should() -> None:
 
 
 def test_docstrings_begin_in_plain_english() -> None:
-    files = [file for file in PACKAGES.glob("*/src/**/*.py")]
+    files = list(PACKAGES.glob("*/src/**/*.py"))
     assert len(files) > 200
     found = [
         f"{file.name}: {docstring.strip().partition(chr(10))[0]}"
