@@ -224,6 +224,15 @@ def million(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def signals(session: nox.Session) -> None:
+    """Two hundred programs, with two or three signals each at random moments: some ten minutes."""
+    session.install(*TEST_TOOLS)
+    _install(session, "rosbase-core")
+    options = ["-q", "-n", "4", "tests/core/test_signals.py", "-k", "random_moments"]
+    session.run("pytest", *options, *session.posargs, env={"ROSBASE_SIGNAL_RUNS": "200"})
+
+
+@nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     _install(session, *ALL)

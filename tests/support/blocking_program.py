@@ -13,6 +13,7 @@ END_S = 5.0
 BLOCKING_PROGRAM = """
 import socket, sys, threading, time
 from rosbase import BaseHandlers, BaseManager, BaseNode, LifecycleNode, CallbackReturn
+from rosbase import RestartPolicy, register_multiprocess_nodes
 from rosbase.messages import Header
 
 PLACE = sys.argv[1]
@@ -116,8 +117,13 @@ class App(BaseManager):
 
 
 print("building", flush=True)
+processes = {}
+if "with a child" in sys.argv:
+    always = RestartPolicy("always", first_delay_s=0.01)
+    commands = {"child": "echo begun; exec sleep 500"}
+    processes = register_multiprocess_nodes({}, commands, restart=always)
 manager = App(nodes_dict={"camera": Camera, "arm": Arm}, handlers_class=Handlers)
-manager.start_main_loop_timer()
+manager.start_main_loop_timer(processes)
 print("returned", flush=True)
 if PLACE == "thread":
     import os

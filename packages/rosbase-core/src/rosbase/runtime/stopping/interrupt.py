@@ -22,6 +22,8 @@ _KNOCK = getattr(signal, "SIGURG", None)
 _RETRY_S = 0.01
 _REPEAT_S = 0.5
 _DRAIN_TRIES = 100
+# Exceptions of an own clean-up, each raised while the one before was handled.
+_MOST_CONTEXTS = 20
 
 Defer: TypeAlias = Callable[[Callable[[], object]], object]
 
@@ -49,6 +51,7 @@ class Interrupt:
         self._due_ns: int | None = None
         self._is_deferred = self._is_knocking = self._has_thread = self._repeats = False
         self._is_prepared = False
+        self._raised: BaseException | None = None
         self._handler_before: Any = None
         # Held while the thread knocks: after `disarm`, no knock is on its way.
         self._knock_lock = threading.Lock()
@@ -62,6 +65,8 @@ class Interrupt:
         self._repeats = repeats
         self._due_ns = self._clock.monotonic_ns() + int(delay_s * 1e9)
         self._is_deferred = False
+        # Armed anew, it raises even where the exception before is being handled.
+        self._raised = None
         if self._has_thread or _KNOCK is None:
             return
         self._has_thread = True
@@ -88,7 +93,7 @@ class Interrupt:
             return
         with self._knock_lock:
             # Another thread may have armed it meanwhile.
-            self._due_ns = None
+            self._due_ns = self._raised = None
             self._has_thread = self._is_prepared = False
         # A knock that has been sent is handled before the handler is taken away.
         for _ in range(_DRAIN_TRIES):
@@ -114,10 +119,13 @@ class Interrupt:
             self._raise(None)
 
     def _raise(self, frame: FrameType | None) -> None:
-        # Code that catches it and goes on is interrupted again.
+        # Code that catches it and goes on is interrupted again; its own clean-up is not.
         again_ns = self._clock.monotonic_ns() + int(_REPEAT_S * 1e9)
         self._due_ns = again_ns if self._repeats else None
-        raise self._make_error(frame)
+        if _is_handled(self._raised):
+            return
+        self._raised = self._make_error(frame)
+        raise self._raised
 
     def _handle(self, signum: int, frame: FrameType | None) -> None:
         self._is_knocking = False
@@ -136,6 +144,16 @@ class Interrupt:
                 if due_ns is not None and self._clock.monotonic_ns() >= due_ns:
                     self._is_knocking = True
                     signal.pthread_kill(main, _KNOCK)
+
+
+def _is_handled(error: BaseException | None) -> bool:
+    """Return whether this thread is in an `except`, `finally` or `with` because of the error."""
+    handled = sys.exc_info()[1] if error is not None else None
+    for _ in range(_MOST_CONTEXTS):
+        if handled is None or handled is error:
+            break
+        handled = handled.__context__
+    return handled is not None and handled is error
 
 
 def is_user_code(frame: FrameType | None, *, innermost: bool = False) -> bool:
