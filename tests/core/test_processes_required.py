@@ -154,7 +154,7 @@ def test_the_end_of_a_required_child_ends_code_that_blocks(place: str, tmp_path:
     source = (
         "from rosbase import register_multiprocess_nodes\n"
         f"processes = register_multiprocess_nodes({{}}, {{'x': '{command}'}}, required=True)\n"
-        + BLOCKING_PROGRAM.replace("main_loop_timer()", "main_loop_timer(processes)")
+        + BLOCKING_PROGRAM
     )
     main, terminal = os.openpty()
     with running(tmp_path, source, place, stdin=terminal) as program:

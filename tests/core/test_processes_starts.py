@@ -264,3 +264,29 @@ def test_a_node_that_cannot_be_started_again_is_tried_as_often_as_its_policy_say
     shutdown_multiprocess_nodes(processes)
     monkeypatch.chdir(tmp_path)
     assert caplog.text.count("the working directory does not exist any more") == 2
+
+
+def test_a_signal_finds_no_guardian_without_handlers(tmp_path: Path) -> None:
+    app = """
+    import os, signal
+    from pathlib import Path
+    from rosbase import register_multiprocess_nodes, shutdown_multiprocess_nodes
+    if __name__ == "__main__":
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+        processes = register_multiprocess_nodes({}, {"child": "echo begun; sleep 1000"})
+        for pid in os.listdir("/proc"):
+            try:
+                stat = Path("/proc", pid, "stat").read_text()
+                parent = int(stat.rpartition(")")[2].split()[1])
+            except (OSError, ValueError):
+                continue
+            if parent == os.getpid():
+                os.kill(int(pid), signal.SIGINT)
+        print(signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before)
+        shutdown_multiprocess_nodes(processes)
+    """
+    for _ in range(5):
+        with running(tmp_path, app) as program:
+            status, out, err = program.end()
+        assert (status, out) == (0, "True\n")
+        assert "Traceback" not in err

@@ -117,13 +117,12 @@ class App(BaseManager):
 
 
 print("building", flush=True)
-processes = {}
 if "with a child" in sys.argv:
     always = RestartPolicy("always", first_delay_s=0.01)
     commands = {"child": "echo begun; exec sleep 500"}
     processes = register_multiprocess_nodes({}, commands, restart=always)
 manager = App(nodes_dict={"camera": Camera, "arm": Arm}, handlers_class=Handlers)
-manager.start_main_loop_timer(processes)
+manager.start_main_loop_timer(globals().get("processes"))
 print("returned", flush=True)
 if PLACE == "thread":
     import os

@@ -11,6 +11,7 @@ from rosbase.device.watch import Watch
 from rosbase.errors import TransportError
 from rosbase.framing import Framer
 from rosbase.runtime.backoff import Backoff
+from rosbase.runtime.stopping import leave_signals_to_the_main_thread
 from rosbase.runtime.wake_pipe import WakePipe
 
 __all__ = ["ReaderThread"]
@@ -105,6 +106,7 @@ class ReaderThread:
         return not self._thread.is_alive()
 
     def _run(self) -> None:
+        leave_signals_to_the_main_thread()
         try:
             while not self._stopping:
                 device = self.device or self._reopen()

@@ -23,6 +23,7 @@ from rosbase.local import process_bus
 from rosbase.local.link import Link
 from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
+from rosbase.runtime.stopping import hold_signals
 
 __all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order"]
 
@@ -203,7 +204,8 @@ def _start_guarded(
         folder: Folder where it is started; by default the working directory.
     """
     own = _ON_A_TERMINAL if on_a_terminal else {}
-    with ExitStack() as undo, ExitStack() as for_the_child:
+    # Until the guardian handles signals, one of them would end it with a traceback.
+    with ExitStack() as undo, ExitStack() as for_the_child, hold_signals():
         ours, theirs = socket.socketpair()
         undo.callback(ours.close)
         for_the_child.callback(theirs.close)

@@ -21,6 +21,7 @@ from rosbase.processes.launch import Order
 from rosbase.processes.mark import Mark, Marks
 from rosbase.processes.records import RecordLines
 from rosbase.processes.survivors import name_survivors
+from rosbase.runtime.stopping import leave_signals_to_the_main_thread
 
 __all__ = ["Supervisor"]
 
@@ -109,6 +110,7 @@ class Supervisor:
     # On the supervisor's thread, but for the first starts, which come before.
 
     def _run(self) -> None:
+        leave_signals_to_the_main_thread()
         self._has_begun.wait()
         if not self._stopping:
             self._deal_with(None, partial(name_survivors, self._marks.program, self.journal))
