@@ -21,7 +21,7 @@ class ManualClock:
     After some millions of readings, the clock raises a RuntimeError. Call
     `advance` in one of the callbacks, as if the callback took that time.
 
-    If a run takes longer than `real_limit_s`, a TimeoutError says where it hangs.
+    If a run takes longer than `real_limit_s`, it ends with a TimeoutError that says where it hangs.
     """
 
     def __init__(
