@@ -119,6 +119,10 @@ class Waits:
     async def __call__(self, *_: object) -> None: ...
 
 
+def call(function: Callable[[], object]) -> object:
+    return function()
+
+
 NEVER_RUN: list[Any] = [coroutine, generator, stream, functools.partial(coroutine, 1), Waits()]
 
 
@@ -154,6 +158,105 @@ def test_handlers_whose_handle_is_async_are_refused() -> None:
 
     with pytest.raises(TypeError, match=r"Handlers\.handle: .* is async"):
         BaseManager(handlers_class=Handlers, backend=virtual_backend())
+
+
+METHODS: list[tuple[type, str]] = [
+    (BaseManager, "init_custom_variables"),
+    (BaseManager, "handshake"),
+    (BaseManager, "main_loop"),
+    (BaseManager, "get_state_switch"),
+    (BaseManager, "state_handle"),
+    (BaseManager, "update_timestamp"),
+    (BaseManager, "release_resources"),
+    (BaseNode, "release_resources"),
+    (BaseAgent, "reset"),
+    (BaseHandlers, "handle"),
+    (LifecycleNode, "on_configure"),
+    (LifecycleNode, "on_activate"),
+    (LifecycleNode, "on_deactivate"),
+    (LifecycleNode, "on_cleanup"),
+    (LifecycleNode, "on_shutdown"),
+    (LifecycleNode, "on_error"),
+]
+
+
+@pytest.mark.parametrize("function", [coroutine, generator, stream], ids=lambda f: f.__name__)
+@pytest.mark.parametrize(("base", "name"), METHODS, ids=lambda x: getattr(x, "__name__", x))
+def test_a_method_that_would_never_run_is_refused_when_its_owner_is_built(
+    base: type, name: str, function: Any
+) -> None:
+    owner: Any = type("Mine", (base,), {name: function})
+    options = {"backend": virtual_backend()} if issubclass(base, (BaseManager, BaseNode)) else {}
+    with pytest.raises(TypeError, match=rf"^Mine\.{name}: \w+ is (async|a generator)"):
+        owner(**options)
+
+
+@pytest.mark.parametrize("kind", ["nodes_dict", "agents_dict"])
+def test_a_method_that_a_constructor_replaces_is_refused(kind: str) -> None:
+    class Device(LifecycleNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.on_activate: Any = coroutine
+
+    class Plain:
+        reset = coroutine
+
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None: ...
+
+    components: Any = {kind: {"one": Device if kind == "nodes_dict" else Plain}}
+    with pytest.raises(TypeError, match=r"^(Device.on_activate|Plain.reset): coroutine is async"):
+        BaseManager(backend=virtual_backend(), **components)
+
+
+@pytest.mark.parametrize("name", ["get_state_switch", "state_handle"])
+def test_an_async_switch_that_is_set_after_the_constructor_is_refused(name: str) -> None:
+    manager = BaseManager(handlers_class=StopAfter, backend=virtual_backend())
+    setattr(manager, name, coroutine)
+    with pytest.raises(TypeError, match=rf"^BaseManager\.{name}: coroutine is async"):
+        manager.start_main_loop_timer()
+
+
+@pytest.mark.parametrize("function", [coroutine, generator, stream], ids=lambda f: f.__name__)
+@pytest.mark.parametrize("where", ["rule", "handshake", "get_state_switch"])
+def test_a_coroutine_is_not_an_answer(where: str, function: Any) -> None:
+    class App(BaseManager):
+        pass
+
+    if where != "rule":
+        setattr(App, where, lambda self: function())
+    manager = App(handlers_class=StopAfter, backend=virtual_backend())
+    what = f"App.{where}"
+    if where == "rule":
+        manager.add_handshake_rule("ready", functools.partial(call, function))
+        what = "handshake rule 'ready'"
+    kind = "coroutine" if function is coroutine else "generator"
+    expected = rf"^{what} returned the {kind} {function.__name__}, "
+    with pytest.raises(TypeError, match=expected):
+        manager.start_main_loop_timer()
+
+
+@pytest.mark.parametrize("function", [coroutine, generator, stream], ids=lambda f: f.__name__)
+@pytest.mark.parametrize("where", ["Ticks.handle", "App.state_handle"])
+def test_a_tick_that_returns_a_coroutine_is_reported_once(
+    where: str, function: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    class App(BaseManager):
+        pass
+
+    class Ticks(StopAfter):
+        def handle(self) -> Any:
+            super().handle()
+            return function() if where == "Ticks.handle" else 3
+
+    if where == "App.state_handle":
+        App.state_handle = lambda self: function()
+    manager = App(handlers_class=Ticks, backend=virtual_backend())
+    manager.start_main_loop_timer()
+    assert manager.timestamp > 1
+    kind = "coroutine" if function is coroutine else "generator"
+    (said,) = [record for record in caplog.records if "returned" in record.getMessage()]
+    assert said.getMessage().startswith(f"{where} returned the {kind} {function.__name__}, ")
+    assert said.levelname == "ERROR"
 
 
 def test_a_transition_asked_for_during_another_is_refused_and_says_which_and_since_when() -> None:

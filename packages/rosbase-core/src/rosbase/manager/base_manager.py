@@ -20,9 +20,10 @@ from rosbase.processes import (
     shutdown_unclaimed,
 )
 from rosbase.roles.agent import BaseAgent
-from rosbase.roles.callables import check_methods
+from rosbase.roles.callables import check_answer, check_methods, describe_unrun
 from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
+from rosbase.roles.context import Component
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
@@ -40,6 +41,17 @@ _FIRST_REPORT_S = 1.0
 _VIRTUAL_HANDSHAKE_S = 60.0
 _PENDING_REPORT_S = 5.0
 _LOG_FREQ_NS = 1_000_000_000
+# Neither async nor generators.
+_PLAIN_METHODS = (
+    "init_custom_variables",
+    "handshake",
+    "main_loop",
+    "get_state_switch",
+    "state_handle",
+    "update_timestamp",
+    "release_resources",
+    "destroy_node",
+)
 
 
 class BaseManager(Constructed):
@@ -112,11 +124,12 @@ class BaseManager(Constructed):
             kwargs: Forwarded to every component as they are.
 
         Raises:
-            TypeError: An instance is given instead of a class, or `handle` is async or a
-                generator.
+            TypeError: An instance is given instead of a class, or a method that rosbase calls
+                is async or a generator.
             ValueError: The rate or the timeout is not a positive number.
             NotInstalledError: No backend of that name can be used.
         """
+        check_methods(self, _PLAIN_METHODS)
         self._known_threads = threading.enumerate()
         self.nodes = {}
         self.agents = {}
@@ -183,6 +196,8 @@ class BaseManager(Constructed):
         self._counts_plainly = False
         # Whether `state_handle` takes what the switch gave; looked up when it is first called.
         self._hands_switch_over: bool | None = None
+        # Methods that have returned work which nobody runs; each is reported once.
+        self._unrun: set[str] = set()
         self.init_custom_variables()
 
     def _register(
@@ -199,20 +214,24 @@ class BaseManager(Constructed):
             hint = f"; did you mean {similar}?" if similar else ""
             self.logger.warning(f"nothing takes the keyword argument {name}{hint}")
 
-        def build_one(component: Any, where: str, key: str) -> Any:
+        def build_one(component: Any, where: str, key: str, others: tuple[str, ...]) -> Any:
             self.key_being_built = key
             built = build(component, where, self, args, kwargs)
             if lack := lacks_its_base(built):
                 self.logger.warning(lack)
+            # Again, because a constructor may have put another function in its place.
+            methods = built._plain_methods if isinstance(built, Component) else others
+            check_methods(built, methods)
             return built
 
         for name, node_class in (nodes_dict or {}).items():
-            self.nodes[name] = build_one(node_class, f"nodes_dict[{name!r}]", name)
+            self.nodes[name] = build_one(
+                node_class, f"nodes_dict[{name!r}]", name, ("release_resources",)
+            )
         for name, agent_class in (agents_dict or {}).items():
-            self.agents[name] = build_one(agent_class, f"agents_dict[{name!r}]", name)
+            self.agents[name] = build_one(agent_class, f"agents_dict[{name!r}]", name, ("reset",))
         if handlers_class is not None:
-            self.handlers = build_one(handlers_class, "handlers_class", "")
-            check_methods(self.handlers, ("handle",))
+            self.handlers = build_one(handlers_class, "handlers_class", "", ("handle",))
         self.key_being_built = ""
 
     # What users override.
@@ -230,7 +249,9 @@ class BaseManager(Constructed):
             self._switch_state()
         handlers = self.handlers
         if handlers is not None:
-            handlers.handle()
+            answer = handlers.handle()  # type: ignore[func-returns-value]  # as declared
+            if answer is not None:
+                self._report_unrun(handlers, "handle", answer)
         if self._counts_plainly:
             self.timestamp += 1
         else:
@@ -269,7 +290,8 @@ class BaseManager(Constructed):
             HandshakeTimeoutError: The rules that it names did not come true in time.
             RuntimeError: It has run already, or is running.
             SystemExit: A required child has ended with this status, which is not 0.
-            TypeError: `processes` is something else.
+            TypeError: `processes` is something else, or a method that rosbase calls is async or
+                a generator, or returns a coroutine as its answer.
         """
         if self._has_started:
             raise RuntimeError("a manager runs once; make a new one")
@@ -289,6 +311,8 @@ class BaseManager(Constructed):
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         try:
             self.backend.begin_run(self.request_stop)
+            # Again, because some may be attributes that were set after the constructor.
+            check_methods(self, _PLAIN_METHODS)
             self._claim(processes, stop)
             self._wait_for_handshake()
             bring_up(self._lifecycle_nodes(), self._is_stopping)
@@ -340,15 +364,23 @@ class BaseManager(Constructed):
     def _switch_state(self) -> None:
         switch = self.get_state_switch() if self.get_state_switch is not None else None
         if switch is not None:
+            check_answer(switch, f"{type(self).__name__}.get_state_switch")
             self.state = switch
         if self.state_handle is None:
             return
         if self._hands_switch_over is None:
             self._hands_switch_over = _takes_an_argument(self.state_handle)
-        if self._hands_switch_over:
-            self.state_handle(switch)
-        else:
-            self.state_handle()
+        answer = self.state_handle(switch) if self._hands_switch_over else self.state_handle()
+        if answer is not None:
+            self._report_unrun(self, "state_handle", answer)
+
+    def _report_unrun(self, of: object, name: str, answer: object) -> None:
+        """Log once that a method returned work which nobody runs."""
+        what = f"{type(of).__name__}.{name}"
+        text = describe_unrun(answer, what)
+        if text and what not in self._unrun:
+            self._unrun.add(what)
+            self.logger.error(text)
 
     def _lifecycle_nodes(self) -> list[LifecycleNode]:
         return [node for node in self.nodes.values() if isinstance(node, LifecycleNode)]
@@ -359,7 +391,7 @@ class BaseManager(Constructed):
         timeout_s = self._handshake_timeout_s
         if timeout_s is None and self.backend.is_in_virtual_time:
             timeout_s = _VIRTUAL_HANDSHAKE_S
-        while not self._stop_requests and self.handshake() is False:
+        while not self._stop_requests and self._is_pending():
             pending = ", ".join(self._handshake.pending) or "the manager's own handshake"
             waited_s = (clock.monotonic_ns() - start_ns) / 1e9
             if timeout_s is not None and waited_s >= timeout_s:
@@ -371,6 +403,11 @@ class BaseManager(Constructed):
                 later = self._not_active_yet()
                 self.logger.log_throttle(f"waiting for: {pending}{later}", _PENDING_REPORT_S)
             self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
+
+    def _is_pending(self) -> bool:
+        answer = self.handshake()
+        check_answer(answer, f"{type(self).__name__}.handshake")
+        return answer is False
 
     def _not_active_yet(self) -> str:
         """Return a hint for a rule that waits for a lifecycle node to become active."""

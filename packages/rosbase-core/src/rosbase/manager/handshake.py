@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rosbase.logger import RosbaseLogger
-from rosbase.roles.callables import check_callback
+from rosbase.roles.callables import check_answer, check_callback
 
 __all__ = ["Handshake"]
 
@@ -28,7 +28,11 @@ class Handshake:
         self._rules.append((name, predicate))
 
     def ask(self) -> bool:
-        """Return whether all rules hold. A rule that raises does not, and is named once."""
+        """Return whether all rules hold. A rule that raises does not, and is named once.
+
+        Raises:
+            TypeError: A rule returned a coroutine or a generator.
+        """
         held = [self._holds(index) for index in range(len(self._rules))]
         self.pending = [
             name for (name, _), holds in zip(self._rules, held, strict=True) if not holds
@@ -38,7 +42,8 @@ class Handshake:
     def _holds(self, index: int) -> bool:
         name, predicate = self._rules[index]
         try:
-            return bool(predicate())
+            answer = predicate()
+            holds = bool(answer)
         except Exception as error:
             if index not in self._reported:
                 self._reported.add(index)
@@ -46,3 +51,5 @@ class Handshake:
                     f"handshake rule '{name}' raised {type(error).__name__}: {error}"
                 )
             return False
+        check_answer(answer, f"handshake rule '{name}'")
+        return holds

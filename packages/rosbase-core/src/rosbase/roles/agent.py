@@ -1,7 +1,7 @@
 """The agent: computation, with no publishers and no subscriptions."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, ClassVar
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger import RosbaseLogger
@@ -15,6 +15,8 @@ class BaseAgent(Component, ABC):
 
     An agent reads the manager's context, and works without one, as in a test.
     """
+
+    _plain_methods: ClassVar[tuple[str, ...]] = ("reset", "close")
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Attach to the manager, if there is one; ignore the other forwarded arguments."""

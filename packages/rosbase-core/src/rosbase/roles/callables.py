@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-__all__ = ["check_callback", "check_methods"]
+__all__ = ["check_answer", "check_callback", "check_methods", "describe_unrun"]
 
 
 def check_callback(callback: object, what: str) -> None:
@@ -45,6 +45,36 @@ def check_methods(component: object, names: tuple[str, ...]) -> None:
         method = getattr(component, name, None)
         if method is not None:
             check_callback(method, f"{type(component).__name__}.{name}")
+
+
+def describe_unrun(answer: object, what: str) -> str:
+    """Describe an answer that is work which nobody runs; empty for any other answer.
+
+    Args:
+        answer: The value that a callback has returned.
+        what: The callback, for the text.
+    """
+    if inspect.iscoroutine(answer):
+        if inspect.getcoroutinestate(answer) == inspect.CORO_CREATED:
+            # Python need not say the same again.
+            answer.close()
+        return (
+            f"{what} returned the coroutine {answer.__qualname__}, and rosbase awaits nothing; "
+            "use a plain function, and asyncio in a thread of its own"
+        )
+    if inspect.isgenerator(answer) or inspect.isasyncgen(answer):
+        return f"{what} returned the generator {answer.__qualname__}, of which nothing has run"
+    return ""
+
+
+def check_answer(answer: object, what: str) -> None:
+    """Refuse an answer that is a coroutine or a generator, which would count as true.
+
+    Raises:
+        TypeError: It is one.
+    """
+    if text := describe_unrun(answer, what):
+        raise TypeError(text)
 
 
 def _name(callback: Callable[..., object]) -> str:

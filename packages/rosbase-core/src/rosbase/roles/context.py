@@ -1,8 +1,9 @@
 """The view that nodes, agents and handlers have of their manager, if they have one."""
 
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from rosbase.contracts.backend import Backend
+from rosbase.roles.callables import check_methods
 
 __all__ = ["Component", "ManagerContext"]
 
@@ -35,8 +36,11 @@ class Component:
     """
     _is_initialised = False
     """Whether the constructor of this class has run."""
+    _plain_methods: ClassVar[tuple[str, ...]] = ()
+    """Methods that must be plain functions: neither async nor generators."""
 
     def __init__(self, manager: ManagerContext | None) -> None:
+        check_methods(self, self._plain_methods)
         self.manager = manager
         self._key = str(getattr(manager, "key_being_built", ""))
         self._is_initialised = True

@@ -1,6 +1,6 @@
 """The handlers: called once per tick, for scheduling and task state machines."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 from rosbase.logger import RosbaseLogger
 from rosbase.roles.context import Component, ManagerContext
@@ -10,6 +10,8 @@ __all__ = ["BaseHandlers"]
 
 class BaseHandlers(Component):
     """Base class of handlers, which decide once per tick what nodes and agents do next."""
+
+    _plain_methods: ClassVar[tuple[str, ...]] = ("handle",)
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Attach to the manager; ignore the other forwarded arguments."""

@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
 
 from rosbase.contracts.backend import Publisher
 from rosbase.errors import TransitionNotAvailableError
@@ -67,6 +67,7 @@ class LifecycleNode(BaseNode):
 
     autostart: Autostart = "none"
     """How far the manager brings this node up by itself."""
+    _plain_methods: ClassVar[tuple[str, ...]] = (*BaseNode._plain_methods, *CALLBACKS.values())
 
     def __init__(self, manager: Any = None, *args: Any, **kwargs: Any) -> None:
         """Start unconfigured. The arguments are those of `BaseNode`."""

@@ -1,7 +1,7 @@
 """The node: communication and caching, with a manager or standalone, with the same code."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription, Timer
@@ -28,6 +28,8 @@ class BaseNode(Constructed, Component):
     With a manager it uses the manager's connection. Without a manager it opens its own, and
     `start_spin_standalone()` runs it.
     """
+
+    _plain_methods: ClassVar[tuple[str, ...]] = ("release_resources", "destroy_node")
 
     @constructor
     def __init__(
