@@ -360,6 +360,55 @@ def test_a_missing_call_of_the_base_constructor_is_one_clear_line(forgetful: Any
         BaseManager(backend=virtual_backend(), **where)
 
 
+class ForgetsAsMixin:
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.y = 2
+
+
+class ForgetfulDevice(Device):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        self.y = 2
+
+
+class MixedDevice(ForgetsAsMixin, Device):
+    pass
+
+
+class LateDevice(Device):
+    """Gets its constructor after its class, as from a decorator."""
+
+
+LateDevice.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]
+
+FORGETFUL_DEVICES = [ForgetfulDevice, MixedDevice, LateDevice]
+
+
+@pytest.mark.parametrize("forgetful", FORGETFUL_DEVICES)
+def test_a_lifecycle_node_may_not_leave_out_the_constructor_of_its_base(forgetful: Any) -> None:
+    expected = rf"^{forgetful.__name__}.__init__ must first call super\(\).__init__"
+    with pytest.raises(TypeError, match=expected):
+        BaseManager(nodes_dict={"arm": Device, "bad": forgetful}, backend=virtual_backend())
+    with pytest.raises((TypeError, AttributeError), match=expected):
+        forgetful().start_spin_standalone()
+
+
+def test_whatever_is_wrong_with_one_node_the_others_are_taken_down() -> None:
+    class Hollow(Device):
+        """Loses all that is its own."""
+
+        def on_activate(self, previous_state: State) -> CallbackReturn:
+            self.__dict__.clear()
+            return CallbackReturn.SUCCESS
+
+    manager = BaseManager(
+        nodes_dict={"arm": Device, "bad": Hollow, "leg": Device}, backend=virtual_backend()
+    )
+    with pytest.raises(AttributeError):
+        manager.start_main_loop_timer()
+    ends = [manager.nodes[name].get_state() for name in ("arm", "leg")]
+    assert ends == [State.FINALIZED, State.FINALIZED]
+
+
 def test_what_a_component_lacks_is_said_as_python_says_it() -> None:
     node = BaseNode(backend=virtual_backend())
     with pytest.raises(AttributeError, match="'BaseNode' object has no attribute 'imgae'"):

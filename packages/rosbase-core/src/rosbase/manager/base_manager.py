@@ -315,7 +315,7 @@ class BaseManager(Constructed):
             check_methods(self, _PLAIN_METHODS)
             self._claim(processes, stop)
             self._wait_for_handshake()
-            bring_up(self._lifecycle_nodes(), self._is_stopping)
+            bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
             run_main_loop(
                 self.backend.executor,
@@ -436,7 +436,7 @@ class BaseManager(Constructed):
             self._processes.stopping_soon()
         return run_steps(
             [
-                ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes())),
+                ("lifecycle nodes", lambda: take_down(self._lifecycle_nodes(), self.logger)),
                 ("child processes", lambda: shutdown_multiprocess_nodes(processes)),
                 ("release_resources", self.release_resources),
                 ("destroy_node", self.destroy_node),

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
+from rosbase.logger import RosbaseLogger
 from rosbase.roles.lifecycle_node import LifecycleNode
 
 __all__ = ["bring_up", "take_down"]
 
 
-def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> bool:
+def bring_up(
+    nodes: Sequence[LifecycleNode], stopping: Callable[[], object], logger: RosbaseLogger
+) -> bool:
     """Bring each node as far as its `autostart` says.
 
     If a node does not get there, it and the nodes before it return to unconfigured, in reverse
@@ -23,13 +26,13 @@ def bring_up(nodes: Sequence[LifecycleNode], stopping: Callable[[], object]) -> 
             if stopping():
                 # What has come up is taken down in the clean-up, which no signal interrupts.
                 return False
-            _name_the_rest(nodes, index)
-            _take_down(nodes[: index + 1], finalize=False)
+            _name_the_rest(nodes, index, logger)
+            _take_down(nodes[: index + 1], logger, finalize=False)
             return False
     return True
 
 
-def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int) -> None:
+def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int, logger: RosbaseLogger) -> None:
     def names(some: Iterable[LifecycleNode]) -> str:
         return ", ".join(node._label for node in some)
 
@@ -41,24 +44,25 @@ def _name_the_rest(nodes: Sequence[LifecycleNode], failed: int) -> None:
         text += f"; taken down again: {names(reversed(nodes[:failed]))}"
     if nodes[failed + 1 :]:
         text += f"; not tried: {names(nodes[failed + 1 :])}"
-    nodes[failed].logger.error(text)
+    logger.error(text)
 
 
-def take_down(nodes: Iterable[LifecycleNode]) -> None:
+def take_down(nodes: Iterable[LifecycleNode], logger: RosbaseLogger) -> None:
     """Deactivate, clean up and shut down each node, the last one first.
 
     Every node is attempted; the first exception is raised at the end.
     """
-    _take_down(nodes, finalize=True)
+    _take_down(nodes, logger, finalize=True)
 
 
-def _take_down(nodes: Iterable[LifecycleNode], *, finalize: bool) -> None:
+def _take_down(nodes: Iterable[LifecycleNode], logger: RosbaseLogger, *, finalize: bool) -> None:
     failure: BaseException | None = None
     for node in reversed(list(nodes)):
         try:
             node.take_down(finalize=finalize)
         except BaseException as error:
-            node.logger.error(f"{node._label} could not be taken down: {error!r}")
+            # Not with a logger of the node, which may be what is broken.
+            logger.error(f"{node._label} could not be taken down: {error!r}")
             failure = failure or error
     if failure is not None:
         raise failure

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import CodeType
 from typing import Any, TypeVar
 
+from rosbase.roles.construction import Constructed
 from rosbase.roles.context import Component
 
 __all__ = ["build", "find_untaken", "lacks_its_base"]
@@ -30,7 +31,8 @@ def build(
         kwargs: Forwarded as they are.
 
     Raises:
-        TypeError: It is an instance instead of a class.
+        TypeError: It is an instance instead of a class, or lacks a call of its base class's
+            constructor without which it cannot work.
     """
     if isinstance(component, Component):
         name = type(component).__name__
@@ -39,15 +41,17 @@ def build(
         raise TypeError(f"{where} is {component!r}; give a class")
     # By name, because components may take it from their keyword arguments; but Python
     # has no place for positional ones after a named first.
-    return component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)
+    built = component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)
+    if isinstance(built, Constructed) and (lack := built._missing_base()):
+        # Its class has got its constructor later, as from `dataclass`.
+        raise TypeError(lack)
+    return built
 
 
 def lacks_its_base(built: object) -> str:
     """Say that a component's constructor has not called its base class's; empty if it has.
 
     A component that uses nothing of rosbase may do without.
-
-    It may do without, if it uses nothing of rosbase.
     """
     if not isinstance(built, Component) or built._is_initialised:
         return ""

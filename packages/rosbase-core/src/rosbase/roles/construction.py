@@ -20,8 +20,14 @@ class Constructed:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        if "__init__" in cls.__dict__:
+        init = cls.__init__
+        if "__init__" in cls.__dict__ or not getattr(init, "_is_constructor", False):
+            # Its own, or that of a base which is none of ours.
             cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]  # as decorated
+
+    def _missing_base(self) -> str:
+        """Say that the constructor has not called its base class's; empty if it has or may."""
+        return ""
 
     def _abandon(self) -> None:
         """Undo the work of the constructor so far."""
@@ -55,6 +61,7 @@ def constructor(init: InitT) -> InitT:
         finally:
             del self._is_under_construction
 
+    construct._is_constructor = True  # type: ignore[attr-defined]  # for subclasses to see
     return construct  # type: ignore[return-value]  # it has the signature of `init`
 
 
@@ -63,6 +70,8 @@ def _construct(
 ) -> None:
     try:
         init()
+        if lack := constructed._missing_base():
+            raise TypeError(lack)
         if stop is None or not stop.was_asked:
             return
     except BaseException as error:

@@ -5,7 +5,12 @@ from typing import Any, ClassVar, Protocol
 from rosbase.contracts.backend import Backend
 from rosbase.roles.callables import check_methods
 
-__all__ = ["Component", "ManagerContext"]
+__all__ = ["Component", "ManagerContext", "must_call_base"]
+
+
+def must_call_base(built: object, arguments: str) -> str:
+    """Return the error text for a constructor that has not called its base class's."""
+    return f"{type(built).__name__}.__init__ must first call super().__init__({arguments})"
 
 
 class ManagerContext(Protocol):
@@ -38,6 +43,8 @@ class Component:
     """Whether the constructor of this class has run."""
     _plain_methods: ClassVar[tuple[str, ...]] = ()
     """Methods that must be plain functions: neither async nor generators."""
+    _key = ""
+    """Name in `nodes` or `agents` of the manager; empty if there is none."""
 
     def __init__(self, manager: ManagerContext | None) -> None:
         check_methods(self, self._plain_methods)
@@ -51,11 +58,8 @@ class Component:
         Raises:
             AttributeError: Always; Python calls this only for missing attributes.
         """
-        if not self._is_initialised and name in ("manager", "logger", "_backend"):
-            raise AttributeError(
-                f"{type(self).__name__}.__init__ must first call "
-                "super().__init__(manager, *args, **kwargs)"
-            )
+        if not self._is_initialised and name in ("manager", "logger", "_backend", "_machine"):
+            raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __repr__(self) -> str:

@@ -8,6 +8,7 @@ from rosbase.contracts.backend import Publisher
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
 from rosbase.qos import QoSProfile
+from rosbase.roles.context import must_call_base
 from rosbase.roles.node import BaseNode
 
 __all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
@@ -265,6 +266,10 @@ class LifecycleNode(BaseNode):
     def _repr_parts(self) -> list[str]:
         is_ready = hasattr(self, "_machine")
         return [*super()._repr_parts(), *([self.get_state().label] if is_ready else [])]
+
+    def _missing_base(self) -> str:
+        is_missing = "_machine" not in self.__dict__
+        return must_call_base(self, "manager, *args, **kwargs") if is_missing else ""
 
     def _begin(self) -> None:
         self.bring_up()
