@@ -19,6 +19,8 @@ from rosbase import (
     BaseNode,
     CallbackReturn,
     LifecycleNode,
+    Parameter,
+    SetParametersResult,
     State,
 )
 from rosbase.errors import HandshakeTimeoutError, TransitionNotAvailableError
@@ -407,6 +409,41 @@ def test_whatever_is_wrong_with_one_node_the_others_are_taken_down() -> None:
         manager.start_main_loop_timer()
     ends = [manager.nodes[name].get_state() for name in ("arm", "leg")]
     assert ends == [State.FINALIZED, State.FINALIZED]
+
+
+def answers_none(parameters: object) -> None: ...
+
+
+def answers_a_class(parameters: object) -> Any:
+    return SetParametersResult
+
+
+def divides_by_zero(parameters: object) -> Any:
+    return 1 / 0
+
+
+@pytest.mark.parametrize(
+    ("callback", "said"),
+    [
+        (answers_none, "answers_none must return a SetParametersResult, not None"),
+        (lambda _: True, "<lambda> must return a SetParametersResult, not True"),
+        (answers_a_class, "answers_a_class must return a SetParametersResult, not <class"),
+        (divides_by_zero, "divides_by_zero raised ZeroDivisionError: division by zero"),
+    ],
+)
+def test_a_parameter_callback_that_fails_refuses_the_change_and_is_named_in_one_line(
+    callback: Any, said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    node = BaseNode(backend=virtual_backend())
+    node.declare_parameter("rate", 1)
+    node.add_on_set_parameters_callback(callback)
+    result = node.set_parameters([Parameter("rate", 2)])
+    assert not result.successful
+    assert said in result.reason
+    assert node.get_parameter("rate").value == 1
+    (line,) = caplog.messages
+    assert said in line
+    node.destroy_node()
 
 
 def test_what_a_component_lacks_is_said_as_python_says_it() -> None:

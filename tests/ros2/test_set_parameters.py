@@ -131,6 +131,29 @@ def test_a_callback_of_the_program_is_asked_on_the_main_loop_and_may_refuse(
     assert backend.get_parameter("frame_id").value == "imu_left"
 
 
+@pytest.mark.parametrize(
+    ("callback", "said"),
+    [
+        (lambda _: None, "must return a SetParametersResult, not None"),
+        (lambda _: 1 / 0, "raised ZeroDivisionError: division by zero"),
+    ],
+)
+def test_a_callback_that_fails_refuses_what_is_set_from_outside_and_ends_nothing(
+    client: Tool, backend: Ros2Backend, callback: Any, said: str
+) -> None:
+    backend.add_on_set_parameters_callback(callback)
+    results: list[Any] = []
+    tool = threading.Thread(
+        target=lambda: results.append(client.set("frame_id", Type.STRING, "map"))
+    )
+    tool.start()
+    spin_until(backend, lambda: bool(results))
+    tool.join()
+    assert not results[0].successful
+    assert said in results[0].reason
+    assert backend.get_parameter("frame_id").value == "imu_link"
+
+
 def test_a_main_loop_that_does_not_come_to_it_is_a_refusal_and_nothing_is_set_later(
     client: Tool, backend: Ros2Backend
 ) -> None:

@@ -96,7 +96,9 @@ class Ros2Backend(Backend):
         questions = Questions(self.call_soon, self._is_on_spinner)
         written = arguments.written_for(self.node.get_fully_qualified_name())
         overrides = Overrides(options.parameter_overrides, given, written)
-        self._parameters = RosParameters(self.node, overrides, questions, self._refusals)
+        self._parameters = RosParameters(
+            self.node, overrides, questions, self._refusals, self._logger.error
+        )
         self._conversions = Conversions(_ask_plugins)
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(self.node)

@@ -82,7 +82,12 @@ class RosParameters:
     """
 
     def __init__(
-        self, node: Any, overrides: Overrides, questions: Questions, refusals: Refusals
+        self,
+        node: Any,
+        overrides: Overrides,
+        questions: Questions,
+        refusals: Refusals,
+        report: Callable[[str], object],
     ) -> None:
         """Take over checking parameters when they are set.
 
@@ -91,10 +96,11 @@ class RosParameters:
             overrides: Values that override the defaults.
             questions: Asks the main loop.
             refusals: Judges messages that DDS refuses.
+            report: Called with a line for each callback of the program that fails.
         """
         self._node = node
         self._overrides = overrides
-        self._rules = ParameterRules()
+        self._rules = ParameterRules(report)
         self._questions = questions
         self._refusals = refusals
         self.add_callback = self._rules.add_callback

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from rosbase.errors import ParameterError
+from rosbase.logger import RosbaseLogger
 from rosbase.parameters import (
     Parameter,
     ParameterSpec,
@@ -12,6 +13,7 @@ from rosbase.parameters import (
     check_value,
     did_you_mean,
 )
+from rosbase.text.printable import one_line
 
 __all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "name_undeclared", "refused"]
 
@@ -22,8 +24,14 @@ OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
 class ParameterRules:
     """Rules for the values of each declared parameter, and callbacks that may refuse a change."""
 
-    def __init__(self) -> None:
-        """Start without a parameter."""
+    def __init__(self, report: Callable[[str], object] | None = None) -> None:
+        """Start without a parameter.
+
+        Args:
+            report: Called with a line for each callback that raises, or answers with no result;
+                by default it is logged as an error.
+        """
+        self._report = report or RosbaseLogger("parameters").error
         self._specs: dict[str, ParameterSpec] = {}
         self._callbacks: list[OnSetParameters] = []
 
@@ -61,24 +69,43 @@ class ParameterRules:
         return checked
 
     def ask(self, checked: Sequence[Parameter]) -> SetParametersResult:
-        """Ask the callbacks, on the spinning thread; the first refusal counts."""
+        """Ask the callbacks, on the spinning thread; the first refusal counts.
+
+        A callback that raises, or answers with no result, is reported and counts as a refusal.
+        """
         for callback in list(self._callbacks):
-            answer = callback(list(checked))
+            try:
+                answer = callback(list(checked))
+            except Exception as error:
+                return self._fault(callback, f"raised {type(error).__name__}: {error}")
+            if isinstance(answer, type) or getattr(answer, "successful", None) is None:
+                return self._fault(callback, f"must return a SetParametersResult, not {answer!r}")
             if not answer.successful:
-                return refused(answer.reason or "the program refuses it")
+                return refused(str(getattr(answer, "reason", "")) or "the program refuses it")
         return SetParametersResult(successful=True)
+
+    def _fault(self, callback: OnSetParameters, fault: str) -> SetParametersResult:
+        name = getattr(callback, "__qualname__", repr(callback))
+        reason = one_line(f"the parameter callback {name} {fault}")
+        self._report(f"parameters are refused: {reason}")
+        return refused(reason)
 
 
 class ParameterStore(ParameterRules):
     """Declared parameters with their values."""
 
-    def __init__(self, overrides: Mapping[str, ParameterValue]) -> None:
+    def __init__(
+        self,
+        overrides: Mapping[str, ParameterValue],
+        report: Callable[[str], object] | None = None,
+    ) -> None:
         """Start without a parameter.
 
         Args:
             overrides: Values that override the defaults of the parameters declared later.
+            report: As for `ParameterRules`.
         """
-        super().__init__()
+        super().__init__(report)
         self._overrides = overrides
         self._values: dict[str, Parameter] = {}
 

@@ -28,12 +28,12 @@ class LocalBackend(Backend):
         super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
-        self._parameters = ParameterStore(options.parameter_overrides)
+        logger = make_logger(options.node_name, None, options.clock)
+        self._parameters = ParameterStore(options.parameter_overrides, logger.error)
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
         self._closed = False
         if options.parameter_overrides:
-            logger = make_logger(options.node_name, None, options.clock)
             # When the constructors have declared their parameters.
             self.call_soon(lambda: self._parameters.name_undeclared(logger.warning))
 
