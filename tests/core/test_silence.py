@@ -22,6 +22,7 @@ from rosbase import (
     Parameter,
     SetParametersResult,
     State,
+    register_multiprocess_nodes,
 )
 from rosbase.errors import HandshakeTimeoutError, TransitionNotAvailableError
 from rosbase.messages import Header
@@ -320,6 +321,18 @@ def test_an_instance_given_for_a_class_is_one_clear_line() -> None:
         match=r"^agents_dict\['plan'\] is an instance of Planner; give the class, Planner$",
     ):
         BaseManager(agents_dict={"plan": planner}, backend=virtual_backend())
+
+
+def test_an_instance_given_for_the_class_of_a_child_is_one_clear_line() -> None:
+    node = BaseNode(backend=virtual_backend())
+    with pytest.raises(
+        TypeError,
+        match=r"^mp_nodes_dict\['p'\] is an instance of BaseNode; give the class, BaseNode$",
+    ):
+        register_multiprocess_nodes({"p": node})
+    with pytest.raises(TypeError, match=r"^mp_nodes_dict\['p'\] is 'Camera'; give a class$"):
+        register_multiprocess_nodes({"p": "Camera"})
+    node.destroy_node()
 
 
 def test_what_is_no_class_at_all_is_named() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import CodeType
 from typing import Any, TypeVar
 
+from rosbase.roles.classes import check_class
 from rosbase.roles.construction import Constructed
 from rosbase.roles.context import Component
 
@@ -34,11 +35,7 @@ def build(
         TypeError: It is an instance instead of a class, or lacks a call of its base class's
             constructor without which it cannot work.
     """
-    if isinstance(component, Component):
-        name = type(component).__name__
-        raise TypeError(f"{where} is an instance of {name}; give the class, {name}")
-    if not callable(component):
-        raise TypeError(f"{where} is {component!r}; give a class")
+    check_class(component, where)
     # By name, because components may take it from their keyword arguments; but Python
     # has no place for positional ones after a named first.
     built = component(manager, *args, **kwargs) if args else component(manager=manager, **kwargs)

@@ -13,6 +13,7 @@ from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, NodeLaunch
 from rosbase.processes.restart import RestartPolicy, RestartWhen
 from rosbase.processes.supervisor import Supervisor
+from rosbase.roles.classes import check_class
 
 __all__ = [
     "ChildProcesses",
@@ -139,6 +140,7 @@ def register_multiprocess_nodes(
             class, or this is not a POSIX system.
         OSError: The system refuses to start one. Those before it have been stopped.
         RuntimeError: This is the child itself, importing the program's main module.
+        TypeError: An instance is given instead of a class.
     """
     if _refusal:
         raise RuntimeError(_refusal)
@@ -205,8 +207,9 @@ def _launches(
     on_terminals: Collection[str],
     logger: RosbaseLogger,
 ) -> dict[str, Launch]:
-    for name in nodes:
+    for name, node in nodes.items():
         check_node_name(name)
+        check_class(node, f"mp_nodes_dict[{name!r}]")
         if name in commands:
             raise ConfigurationError(f"'{name}' is the name of a node and of a command")
     for name, command in commands.items():
