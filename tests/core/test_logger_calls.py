@@ -327,6 +327,32 @@ def test_a_level_that_there_is_not_is_refused(logger: RosbaseLogger) -> None:
         logger.set_level("loud")
 
 
+@pytest.mark.parametrize("level", [0, 3, 11, 2.5, True, None, "loud", "of the arm"])
+def test_a_value_taken_for_the_level_of_a_message_is_refused(
+    logger: RosbaseLogger, heard: Heard, level: Any
+) -> None:
+    calls: list[Callable[[], None]] = [
+        lambda: logger.important("battery at %d percent", level),
+        lambda: logger.log_once("battery at %d percent", level),
+        lambda: logger.log_throttle("battery at %d percent", 5, level),
+        # Refused again, although it is not due.
+        lambda: logger.log_throttle("battery at %d percent", 5, level),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match="log level"):
+            call()
+    assert heard.texts == []
+
+
+def test_a_message_may_have_a_level_that_the_program_has_named(
+    logger: RosbaseLogger, heard: Heard
+) -> None:
+    logging.addLevelName(35, "NOTICE")
+    logger.important("here", 35)
+    logger.important("there", "notice")
+    assert heard.texts == ["*** here ***", "*** there ***"]
+
+
 def test_a_child_has_a_name_below_and_whoever_listens(logger: RosbaseLogger, heard: Heard) -> None:
     child = logger.get_child("leg").get_child("knee")
     child.info("bent %d", 3)

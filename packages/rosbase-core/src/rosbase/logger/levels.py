@@ -2,7 +2,7 @@
 
 import logging
 
-__all__ = ["LEVELS", "level_number", "severity"]
+__all__ = ["LEVELS", "level_number", "message_level", "severity"]
 
 LEVELS = {
     "DEBUG": logging.DEBUG,
@@ -24,11 +24,32 @@ def level_number(level: str | int) -> int:
     """
     if not isinstance(level, str):
         return int(level)
-    known = {**logging.getLevelNamesMapping(), **LEVELS}
-    number = known.get(level.upper())
+    number = _known().get(level.upper())
     if number is None:
         raise ValueError(f"no log level is called {level!r}: {', '.join(LEVELS).lower()}")
     return number
+
+
+def message_level(level: str | int) -> int:
+    """Return the number of the level of a message. Unlike a limit, it must be a known one.
+
+    Raises:
+        ValueError: There is no such level. Most likely it is a value to be filled in.
+    """
+    if isinstance(level, str):
+        number = level_number(level)
+    else:
+        number = int(level) if isinstance(level, int) and not isinstance(level, bool) else 0
+    if number == logging.NOTSET or number not in _known().values():
+        raise ValueError(
+            f"{level!r} is no log level ({', '.join(LEVELS).lower()}); "
+            "this method fills no values in, so write them into the message: f'... {value}'"
+        )
+    return number
+
+
+def _known() -> dict[str, int]:
+    return {**logging.getLevelNamesMapping(), **LEVELS}
 
 
 def severity(level: int) -> str:

@@ -11,7 +11,7 @@ from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.console import current_console
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
-from rosbase.logger.levels import level_number
+from rosbase.logger.levels import level_number, message_level
 from rosbase.logger.record_text import error_of, fill_in, stack_of, traceback_of, whole_text
 from rosbase.text.printable import log_line
 
@@ -95,19 +95,32 @@ class RosbaseLogger:
         self._log(logging.CRITICAL, message, values, options)
 
     def important(self, message: str, level: str | int = "INFO") -> None:
-        """Log a message that should stand out."""
-        self._log(level_number(level), f"*** {message} ***")
+        """Log a message that should stand out.
+
+        Raises:
+            ValueError: There is no such level.
+        """
+        self._log(message_level(level), f"*** {message} ***")
 
     def log_once(self, message: str, level: str | int = "INFO") -> None:
-        """Log a message the first time only, from any place."""
-        number = level_number(level)
+        """Log a message the first time only, from any place.
+
+        Raises:
+            ValueError: There is no such level.
+        """
+        number = message_level(level)
         if self.is_enabled_for(number) and self._first_time(number, message):
             self._log(number, message)
 
     def log_throttle(self, message: str, seconds: float, level: str | int = "INFO") -> None:
-        """Log the same message at most once in a number of seconds, from any place."""
+        """Log the same message at most once in a number of seconds, from any place.
+
+        Raises:
+            ValueError: There is no such level.
+        """
+        number = message_level(level)
         if self.due(message, seconds):
-            self._log(level_number(level), message)
+            self._log(number, message)
 
     def due(self, key: str, seconds: float) -> bool:
         """Return whether `key` may be logged again, at most once in `seconds`.
