@@ -289,6 +289,9 @@ class Goes(BaseHandlers):
         ("gaol", "; did you mean goal?"),
         ("colour", ""),
         ("sped", "; did you mean speed?"),
+        ("handlers", "; did you mean handlers_class?"),
+        ("nodes", "; did you mean nodes_dict?"),
+        ("node_hz", "; did you mean node_freq_hz?"),
     ],
 )
 def test_a_keyword_argument_that_nothing_takes_is_named(
@@ -308,6 +311,28 @@ def test_keyword_arguments_that_something_takes_are_not_named(
 
     values: dict[str, Any] = {"goal": 1.0, "speed": 2.0, "lens": "wide"}
     App(handlers_class=Goes, backend=virtual_backend(), **values).destroy_node()
+    assert caplog.messages == []
+
+
+class Lens(BaseNode):
+    def __init__(self, manager: Any = None, *, focus: float = 0.0, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        self.zoom = kwargs.get("zoom", 1.0)
+
+
+@pytest.mark.parametrize("base", [BaseNode, LifecycleNode, Lens])
+def test_a_keyword_argument_that_a_standalone_node_does_not_take_is_named(
+    base: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    base(backend=virtual_backend(), node_nam="q", lens=3).destroy_node()
+    assert caplog.messages == [
+        "nothing takes the keyword argument node_nam; did you mean node_name?",
+        "nothing takes the keyword argument lens",
+    ]
+
+
+def test_what_a_standalone_node_takes_is_not_named(caplog: pytest.LogCaptureFixture) -> None:
+    Lens(backend=virtual_backend(), node_name="q", focus=2.0, zoom=3.0).destroy_node()
     assert caplog.messages == []
 
 

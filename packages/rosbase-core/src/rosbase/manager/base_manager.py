@@ -9,7 +9,7 @@ from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.logger import RosbaseLogger
 from rosbase.manager.bringup import bring_up, take_down
-from rosbase.manager.building import build, find_untaken, lacks_its_base
+from rosbase.manager.building import build, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
@@ -25,6 +25,7 @@ from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component
 from rosbase.roles.handlers import BaseHandlers
+from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
@@ -209,10 +210,7 @@ class BaseManager(Constructed):
         kwargs: dict[str, Any],
     ) -> None:
         components = [*(nodes_dict or {}).values(), *(agents_dict or {}).values(), handlers_class]
-        own = inspect.signature(BaseManager).parameters
-        for name, similar in find_untaken(kwargs, [type(self), *components], own).items():
-            hint = f"; did you mean {similar}?" if similar else ""
-            self.logger.warning(f"nothing takes the keyword argument {name}{hint}")
+        warn_of_untaken(kwargs, [type(self), *components], BaseManager, self.logger.warning)
 
         def build_one(component: Any, where: str, key: str, others: tuple[str, ...]) -> Any:
             self.key_being_built = key

@@ -1,16 +1,13 @@
 """Build components from classes, and check that their constructors did their part."""
 
-import difflib
-import inspect
-from collections.abc import Callable, Iterable, Mapping
-from types import CodeType
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from rosbase.roles.classes import check_class
 from rosbase.roles.construction import Constructed
 from rosbase.roles.context import Component
 
-__all__ = ["build", "find_untaken", "lacks_its_base"]
+__all__ = ["build", "lacks_its_base"]
 
 ComponentT = TypeVar("ComponentT")
 
@@ -57,40 +54,3 @@ def lacks_its_base(built: object) -> str:
         f"{name}.__init__ does not call super().__init__(manager, *args, **kwargs): "
         "it has no manager, no logger and no topics"
     )
-
-
-def find_untaken(
-    names: Iterable[str], classes: Iterable[object], own: Iterable[str]
-) -> dict[str, str]:
-    """Find keyword arguments that no constructor names: most likely they are misspelt.
-
-    Args:
-        names: The keyword arguments.
-        classes: Classes to which they are forwarded.
-        own: The parameters of the manager itself.
-
-    Returns:
-        For each such argument, a similar name that something takes; empty if there is none.
-    """
-    known = set(own)
-    for one in classes:
-        for home in inspect.getmro(one) if inspect.isclass(one) else (one,):
-            init: Any = home.__dict__.get("__init__") if inspect.isclass(home) else home
-            known |= _names_in(getattr(inspect.unwrap(init), "__code__", None) if init else None)
-    untaken = [name for name in names if name not in known]
-    similar = {name: difflib.get_close_matches(name, known, 1, 0.75) for name in untaken}
-    return {name: found[0] if found else "" for name, found in similar.items()}
-
-
-def _names_in(code: CodeType | None) -> set[str]:
-    """Return the parameters, and the names in texts such as `kwargs.get("goal")`."""
-    if code is None:
-        return set()
-    count = code.co_argcount + code.co_kwonlyargcount
-    names = {*code.co_varnames[:count]}
-    for constant in code.co_consts:
-        if isinstance(constant, str):
-            names.add(constant)
-        elif isinstance(constant, CodeType):
-            names |= _names_in(constant)
-    return names

@@ -12,6 +12,7 @@ from rosbase.roles.callables import check_callback
 from rosbase.roles.connection import lone_node_name, open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
+from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -49,7 +50,8 @@ class BaseNode(Constructed, Component):
             node_name: The name of a standalone node; by default made from its class.
             backend: The backend of a standalone node, by name or ready made.
             custom_logger: A class that a standalone node calls with its name for its logger.
-            kwargs: Arguments that the manager forwards; ignored here.
+            kwargs: Arguments that the manager forwards; ignored here. A standalone node warns of
+                those that its class does not name.
         """
         super().__init__(manager)
         self._stop_requested = False
@@ -60,6 +62,7 @@ class BaseNode(Constructed, Component):
         name = node_name or lone_node_name(self)
         self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = open_logger(self._backend, name, custom_logger)
+        warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
