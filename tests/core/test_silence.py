@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 import time
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -430,6 +431,60 @@ def test_a_lifecycle_node_may_not_leave_out_the_constructor_of_its_base(forgetfu
         BaseManager(nodes_dict={"arm": Device, "bad": forgetful}, backend=virtual_backend())
     with pytest.raises((TypeError, AttributeError), match=expected):
         forgetful().start_spin_standalone()
+
+
+class ForgetfulManager(BaseManager):
+    def __init__(self, **kwargs: Any) -> None:
+        self.y = 2
+
+
+class MixedManager(ForgetsAsMixin, BaseManager):
+    pass
+
+
+class LaterManager(BaseManager):
+    """Gets its constructor after its class, as from a decorator."""
+
+
+LaterManager.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]
+
+
+@pytest.mark.parametrize("forgetful", [ForgetfulManager, MixedManager, LaterManager])
+def test_a_manager_may_not_leave_out_the_constructor_of_its_base(forgetful: Any) -> None:
+    expected = rf"^{forgetful.__name__}.__init__ must first call super\(\).__init__"
+    with pytest.raises((TypeError, AttributeError), match=expected):
+        forgetful().start_main_loop_timer()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda app: app.add_handshake_rule("ready", bool),
+        lambda app: app.request_stop(),
+        lambda app: app.logger.info("here"),
+        lambda app: app.nodes["eye"],
+        lambda app: app.start_main_loop_timer(),
+        lambda app: app.destroy_node(),
+    ],
+    ids=["rule", "stop", "logger", "nodes", "start", "destroy"],
+)
+def test_a_manager_that_calls_the_constructor_of_its_base_too_late_is_told_so(use: Any) -> None:
+    class Late(BaseManager):
+        def __init__(self) -> None:
+            use(self)
+            super().__init__(backend=virtual_backend())
+
+    with pytest.raises(AttributeError, match=r"^Late.__init__ must first call super") as raised:
+        Late()
+    last_line = traceback.format_exception_only(raised.value)[-1]
+    assert "Did you mean" not in last_line
+
+
+def test_what_a_manager_lacks_is_said_as_python_says_it() -> None:
+    app = BaseManager(backend=virtual_backend())
+    with pytest.raises(AttributeError, match="'BaseManager' object has no attribute 'ndoes'"):
+        app.ndoes  # noqa: B018 - the access is the test
+    app.destroy_node()
 
 
 def test_whatever_is_wrong_with_one_node_the_others_are_taken_down() -> None:

@@ -23,7 +23,7 @@ from rosbase.roles.agent import BaseAgent
 from rosbase.roles.callables import check_answer, check_methods, describe_unrun
 from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
-from rosbase.roles.context import Component
+from rosbase.roles.context import Component, must_call_base
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
@@ -89,6 +89,9 @@ class BaseManager(Constructed):
     """Optional method, called after `get_state_switch` and with its result if it takes an argument.
     """
 
+    _is_initialised = False
+    """Whether the constructor of this class has come to the components."""
+
     @constructor
     def __init__(
         self,
@@ -138,6 +141,20 @@ class BaseManager(Constructed):
         self.logger = open_logger(self.backend, node_name, custom_logger)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
+
+    def __getattr__(self, name: str) -> Any:
+        """Explain the error if a constructor uses an attribute before it exists.
+
+        Raises:
+            AttributeError: Always; Python calls this only for missing attributes.
+        """
+        if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
+            # With a name of its own, Python adds no guess at what was meant.
+            raise AttributeError(must_call_base(self, "*args, **kwargs"), name="", obj=None)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def _missing_base(self) -> str:
+        return "" if self._is_initialised else must_call_base(self, "*args, **kwargs")
 
     def __repr__(self) -> str:
         if not hasattr(self, "loop_stats"):
@@ -199,6 +216,7 @@ class BaseManager(Constructed):
         self._hands_switch_over: bool | None = None
         # Methods that have returned work which nobody runs; each is reported once.
         self._unrun: set[str] = set()
+        self._is_initialised = True
         self.init_custom_variables()
 
     def _register(
@@ -445,6 +463,12 @@ class BaseManager(Constructed):
             stop,
             ("the backend's world", self.backend.end_run),
         )
+
+
+_SET_BY_CONSTRUCTOR = {
+    *BaseManager.__annotations__,
+    *("_has_started", "_handshake", "_processes", "_stop_requests"),
+}
 
 
 def _is_duration(value: object) -> bool:
