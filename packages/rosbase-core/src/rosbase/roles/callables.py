@@ -43,7 +43,8 @@ def check_methods(component: object, names: tuple[str, ...]) -> None:
     """
     for name in names:
         method = getattr(component, name, None)
-        if method is not None:
+        # A name that is not a function belongs to the program.
+        if callable(method):
             check_callback(method, f"{type(component).__name__}.{name}")
 
 
