@@ -65,9 +65,14 @@ PYTHONS = _pythons()
 
 
 def _test(session: nox.Session, folder: str) -> None:
-    """Runs the tests of a folder, twice as many at a time as there are processors."""
+    """Runs the tests of a folder, twice as many at a time as there are processors.
+
+    Tests that need only one Python run on the first.
+    """
     at_once = max(2, os.cpu_count() or 1) * (1 if folder in BUSY else 2)
-    session.run("pytest", "-q", "-n", str(at_once), folder, *session.posargs)
+    is_first = session.python in (None, PYTHONS[0])
+    options = [] if is_first else ["-m", "not once"]
+    session.run("pytest", "-q", "-n", str(at_once), *options, folder, *session.posargs)
 
 
 def _install(session: nox.Session, *names: str) -> None:

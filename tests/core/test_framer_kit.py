@@ -23,6 +23,7 @@ def name_of(mutant: FramerMutant) -> str:
     return f"{mutant.promise}-{mutant.contract.__name__}"
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("mutant", FRAMER_MUTANTS, ids=name_of)
 def test_a_framer_is_rejected_with_the_promise_that_it_breaks(mutant: FramerMutant) -> None:
     with pytest.raises(BrokenPromiseError) as rejected:

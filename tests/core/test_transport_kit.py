@@ -27,6 +27,7 @@ def nothing_stays_behind() -> Iterator[None]:
         os.close(LEAKED.pop())
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.promise}-{mutant.name}")
 def test_a_mutant_is_rejected_with_the_promise_that_it_breaks(mutant: Mutant) -> None:
     said = rejection(mutant, mutant.contract())

@@ -21,9 +21,11 @@ INTERNAL = {
     *("__main__", "cli", "imu", "local"),
     *(
         "roles.callables",
+        "roles.classes",
         "roles.connection",
         "roles.construction",
         "roles.context",
+        "roles.keywords",
         "roles.shutdown",
         "runtime.stopping",
     ),
