@@ -308,7 +308,7 @@ def test_samples_are_echoed_over_ros(device: PtyDevice) -> None:
 
 def test_the_demo_loses_nothing_on_ros(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROSBASE_BACKEND", "ros2")
-    done = run_rosbase("demo", "--duration", "2")
+    done = run_rosbase("demo", "--duration", "2", "--no-unplug")
     summary = summary_of(done.stdout.splitlines())
     assert done.returncode == 0, done.stderr
     assert summary["published"] == summary["sent"] >= 190
