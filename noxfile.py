@@ -201,6 +201,8 @@ def build(session: nox.Session) -> None:
     built = sorted(str(path) for path in dist.iterdir())
     session.run("twine", "check", "--strict", *built)
     session.run("python", "tests/check_wheels.py", *built)
+    # For what all tests share.
+    _install(session, "rosbase-core")
     _test(session, "tests/installs")
 
 
