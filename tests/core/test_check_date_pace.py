@@ -1,5 +1,7 @@
 """Stamps of device dates: they rise, however coarse the clock of the device is."""
 
+from random import Random
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,11 +19,11 @@ NOW = 1_780_000_000 * S
     step_ns=st.sampled_from([1, MS, 10 * MS, S, 128 * S]),
     delays=st.randoms(use_true_random=False),
 )
-def test_stamps_rise_and_stay_near_the_dates(gaps: list[int], step_ns: int, delays: object) -> None:
+def test_stamps_rise_and_stay_near_the_dates(gaps: list[int], step_ns: int, delays: Random) -> None:
     pace, sent_ns, arrived_ns, last_ns = DatePace(), NOW, NOW, 0
     for gap_ns in gaps:
         sent_ns += gap_ns
-        arrived_ns = max(arrived_ns + 1, sent_ns + delays.randint(0, 20 * MS))  # type: ignore[attr-defined]
+        arrived_ns = max(arrived_ns + 1, sent_ns + delays.randint(0, 20 * MS))
         date_ns = sent_ns // step_ns * step_ns
         stamp_ns = pace.stamp(date_ns, arrived_ns)
         assert stamp_ns > last_ns

@@ -5,6 +5,7 @@ import random
 import signal
 import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 import rosbase.runtime.stopping.signals as stopping
 from rosbase import BaseManager
+from rosbase.runtime.signal_masks import STOP_SIGNALS, background_thread
 from rosbase.runtime.stopping import Wishes
 from support.blocking_program import (
     BLOCKING_PROGRAM,
@@ -339,3 +341,23 @@ def test_wishes_are_at_least_a_second_apart_and_none_is_missed(gaps_ns: list[int
         assert is_wish is (not counted or now_ns - counted[-1] >= S)
         if is_wish:
             counted.append(now_ns)
+
+
+def test_threads_of_ours_do_not_receive_the_signals_of_the_main_thread() -> None:
+    look = partial(signal.pthread_sigmask, signal.SIG_BLOCK, ())
+    seen: list[set[int]] = []
+    thread = background_thread(lambda: seen.append(look()), "x")
+    thread.start()
+    thread.join(10)
+    assert set(STOP_SIGNALS) <= seen[0]
+    assert not set(STOP_SIGNALS) & look()
+
+
+def test_no_thread_of_ours_is_started_in_another_way() -> None:
+    packages = Path(__file__).parents[2] / "packages"
+    found = [
+        file.name
+        for file in packages.glob("*/src/**/*.py")
+        if "threading.Thread(target" in file.read_text() and "testing" not in file.parts
+    ]
+    assert found == ["signal_masks.py"]

@@ -1,12 +1,14 @@
 """The faults of `rosbase simulate`: the reader makes of each what its summary says."""
 
 import re
+from functools import partial
 
 import pytest
 
 from rosbase.imu.simulated_faults import FAULTS
 from rosbase.imu.simulator import ImuSimulator, payload_at
 from rosbase.messages import Time
+from rosbase.parameters import ParameterValue
 from rosbase.testing import ManualClock
 from support.reader_rig import Rig
 from support.waiting import wait_until
@@ -49,11 +51,15 @@ def motion_of(payload: bytes) -> bytes:
     return payload.partition(b'"orientation"')[2]
 
 
+def has_sent(simulator: ImuSimulator, number: int) -> bool:
+    return simulator.sent >= number
+
+
 class Recorder:
     """A simulated device that keeps what it was given."""
 
     def __init__(self) -> None:
-        self.parameters: dict[str, object] = {}
+        self.parameters: dict[str, ParameterValue] = {}
         self.sent: list[bytes] = []
         self.is_read = True
         self.looks = 0
@@ -75,11 +81,11 @@ class Recorder:
 
 def test_a_simulator_that_was_stopped_goes_on_where_it_was() -> None:
     device = Recorder()
-    simulator = ImuSimulator(device, 1000.0, ManualClock())  # type: ignore[arg-type]
+    simulator = ImuSimulator(device, 1000.0, ManualClock())
     for number in (10, 20):
         simulator.start()
         simulator.start()
-        wait_until(lambda number=number: simulator.sent >= number, "samples")  # type: ignore[misc]
+        wait_until(partial(has_sent, simulator, number), "samples")
         simulator.stop()
         simulator.stop()
     assert simulator.sent == len(device.sent)
@@ -89,7 +95,7 @@ def test_a_simulator_that_was_stopped_goes_on_where_it_was() -> None:
 
 def test_what_nobody_reads_is_not_sent() -> None:
     device = Recorder()
-    simulator = ImuSimulator(device, 1000.0, is_attended=False)  # type: ignore[arg-type]
+    simulator = ImuSimulator(device, 1000.0, is_attended=False)
     device.is_read = False
     simulator.start()
     wait_until(lambda: device.looks > 10, "samples that nobody reads")

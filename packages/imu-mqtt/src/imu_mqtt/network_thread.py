@@ -10,7 +10,15 @@ from imu_mqtt.config import MqttConfig
 from imu_mqtt.connection import Connection
 from imu_mqtt.dialing import RefusedError
 from imu_mqtt.subscription import Subscription
-from rosbase import Backoff, Stamper, Tally, TransportContext, TransportError, WakePipe
+from rosbase import (
+    Backoff,
+    Stamper,
+    Tally,
+    TransportContext,
+    TransportError,
+    WakePipe,
+    background_thread,
+)
 
 __all__ = ["NetworkThread"]
 
@@ -68,7 +76,7 @@ class NetworkThread:
         self._failure: TransportError | None = None
         self._wakeup = WakePipe()
         self._has_ended = False
-        self._thread = threading.Thread(target=self._run, name="imu-mqtt", daemon=True)
+        self._thread = background_thread(self._run, "imu-mqtt")
 
     def start(self) -> None:
         """Start the thread."""

@@ -2,7 +2,6 @@
 
 import asyncio
 import socket
-import threading
 from collections import deque
 from collections.abc import Mapping
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import paho.mqtt.client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
 
-from rosbase import NotInstalledError, ParameterValue, TransportError
+from rosbase import NotInstalledError, ParameterValue, TransportError, background_thread
 
 try:
     from amqtt.broker import Broker
@@ -69,7 +68,7 @@ class EmbeddedBroker:
         self.port = port or _free_port()
         """Port where it listens."""
         self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name="broker", daemon=True)
+        self._thread = background_thread(self._loop.run_forever, "broker")
         self._thread.start()
         try:
             self._broker = self._run(self._start())

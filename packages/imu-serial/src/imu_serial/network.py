@@ -19,6 +19,7 @@ from rosbase import (
     DeviceReport,
     NotADeviceError,
     TransportError,
+    background_thread,
 )
 
 __all__ = ["Dialer", "Link", "NoAnswerError"]
@@ -226,7 +227,7 @@ class _LookUp:
     has_ended: threading.Event = field(factory=threading.Event)
 
     def __attrs_post_init__(self) -> None:
-        threading.Thread(target=self._run, name="rosbase-look-up", daemon=True).start()
+        background_thread(self._run, "rosbase-look-up").start()
 
     def _run(self) -> None:
         try:

@@ -181,6 +181,9 @@ if TYPE_CHECKING:
     from rosbase.runtime.queued_subscription import (
         QueuedSubscription,
     )
+    from rosbase.runtime.signal_masks import (
+        background_thread,
+    )
     from rosbase.runtime.wake_pipe import (
         WakePipe,
     )
@@ -289,6 +292,7 @@ __all__ = [
     "Written",
     "WrittenText",
     "as_profile",
+    "background_thread",
     "check_node_name",
     "check_value",
     "date_fault",
@@ -410,6 +414,7 @@ _HOMES = {
     "Written": "rosbase.parameters",
     "WrittenText": "rosbase.parameters",
     "as_profile": "rosbase.qos",
+    "background_thread": "rosbase.runtime.signal_masks",
     "check_node_name": "rosbase.contracts.names",
     "check_value": "rosbase.parameters",
     "date_fault": "rosbase.clock",

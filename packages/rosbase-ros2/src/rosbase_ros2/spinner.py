@@ -11,7 +11,7 @@ from typing import Any
 
 from rclpy.executors import SingleThreadedExecutor
 
-from rosbase import SystemClock
+from rosbase import SystemClock, background_thread
 
 __all__ = ["Spinner"]
 
@@ -52,7 +52,7 @@ class Spinner:
         self._look_due_ns = 0
         self._clock = SystemClock()
         self._ending = False
-        self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
+        self._thread = background_thread(self._run, "rclpy")
         self._thread.start()
 
     @property

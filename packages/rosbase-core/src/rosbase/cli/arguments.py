@@ -22,6 +22,7 @@ from rosbase.text.printable import MOST_LINE, one_line
 __all__ = [
     "Given",
     "OneLineParser",
+    "add_device_arguments",
     "add_parameters",
     "as_text",
     "check_given",
@@ -61,6 +62,18 @@ def number_between(least: float, most: float) -> Callable[[str], float]:
         return number
 
     return read
+
+
+def add_device_arguments(parser: argparse.ArgumentParser, most_hz: float) -> None:
+    """Add the arguments that choose a simulated device, up to a rate."""
+    parser.add_argument("--transport", default="serial", metavar="NAME", help="the link (serial)")
+    parser.add_argument(
+        "--rate",
+        type=number_between(0.01, most_hz),
+        default=100.0,
+        metavar="HZ",
+        help="samples per second (100)",
+    )
 
 
 def add_parameters(parser: argparse.ArgumentParser) -> None:

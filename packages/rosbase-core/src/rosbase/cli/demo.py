@@ -4,7 +4,7 @@ import argparse
 from collections import deque
 from typing import Any
 
-from rosbase.cli.arguments import number_between, positive_number
+from rosbase.cli.arguments import add_device_arguments, positive_number
 from rosbase.cli.console import LogOutput, add_log_level, log_to_stderr
 from rosbase.cli.counts_help import COUNTS_HELP
 from rosbase.cli.panel.fields import Field
@@ -34,17 +34,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = COUNTS_HELP
-    parser.add_argument(
-        "--rate",
-        type=number_between(0.01, 100_000.0),
-        default=100.0,
-        metavar="HZ",
-        help="samples per second (100)",
-    )
+    add_device_arguments(parser, 100_000.0)
     parser.add_argument(
         "--duration", type=positive_number, default=10.0, metavar="S", help="seconds to run (10)"
     )
-    parser.add_argument("--transport", default="serial", metavar="NAME", help="the link (serial)")
     parser.add_argument(
         "--no-unplug", action="store_true", help="leave the simulated device plugged in"
     )

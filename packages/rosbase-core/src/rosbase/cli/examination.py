@@ -1,11 +1,11 @@
 """Run checks side by side, so that one which raises or hangs does not affect the others."""
 
-import threading
 from collections.abc import Iterator
 
 from rosbase.contracts.checks import CheckContext, Finding, Outcome
 from rosbase.errors import PluginError
 from rosbase.plugins import BLOCK_VARIABLE, CheckPlugin, PluginRecord, PluginRegistry
+from rosbase.runtime.signal_masks import background_thread
 
 __all__ = ["examine"]
 
@@ -40,7 +40,7 @@ class _Run:
         self._context = context
         self._found: list[Finding] = []
         # A daemon: one that hangs must not keep the process.
-        self._thread = threading.Thread(target=self._run, name=f"check-{check.name}", daemon=True)
+        self._thread = background_thread(self._run, f"check-{check.name}")
         self._thread.start()
 
     def findings(self, timeout_s: float, limit_s: float) -> list[Finding]:

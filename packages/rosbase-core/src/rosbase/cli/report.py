@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from rosbase.cli.panel.drawing import View
 from rosbase.cli.panel.fields import Field
+from rosbase.imu.covariance import measured
 from rosbase.imu.health import HealthLevel
 from rosbase.imu.reader import ImuReader
 from rosbase.lifecycle import State
@@ -29,8 +30,8 @@ def status_line(
         f"rejected {counts.rejected}",
         f"dropped {dropped}",
     ]
-    if last is not None:
-        parts.append(_sample(last))
+    if last is not None and (shown := _sample(last)):
+        parts.append(shown)
     health = reader.check_health()
     if health.level is not HealthLevel.OK:
         parts.insert(0, f"{health.level.name} {health.message}")
@@ -131,7 +132,11 @@ def _sample(message: Imu | MagneticField) -> str:
     if isinstance(message, MagneticField):
         field = message.magnetic_field
         return f"mag {field.x * 1e6:8.2f} {field.y * 1e6:8.2f} {field.z * 1e6:8.2f} uT"
-    a, w = message.linear_acceleration, message.angular_velocity
-    return (
-        f"accel {a.x:6.2f} {a.y:6.2f} {a.z:6.2f} m/s^2  gyro {w.x:6.2f} {w.y:6.2f} {w.z:6.2f} rad/s"
-    )
+    a = measured(message.linear_acceleration, message.linear_acceleration_covariance)
+    w = measured(message.angular_velocity, message.angular_velocity_covariance)
+    parts = []
+    if a is not None:
+        parts.append(f"accel {a.x:6.2f} {a.y:6.2f} {a.z:6.2f} m/s^2")
+    if w is not None:
+        parts.append(f"gyro {w.x:6.2f} {w.y:6.2f} {w.z:6.2f} rad/s")
+    return "  ".join(parts)

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Callable
 from typing import Any
 
-from rosbase.cli.arguments import as_text, number_between, positive_number
+from rosbase.cli.arguments import add_device_arguments, as_text, positive_number
 from rosbase.cli.console import log_to_stderr
 from rosbase.contracts.transport import PluggableDevice, SimulatedDevice
 from rosbase.errors import ConfigurationError
@@ -32,14 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.epilog = "faults:\n" + "\n".join(
         f"  {name:8} {summary}" for name, summary in summaries.items()
     )
-    parser.add_argument("--transport", default="serial", metavar="NAME", help="the link (serial)")
-    parser.add_argument(
-        "--rate",
-        type=number_between(0.01, 10_000.0),
-        default=100.0,
-        metavar="HZ",
-        help="samples per second (100)",
-    )
+    add_device_arguments(parser, 10_000.0)
     parser.add_argument(
         "--fault",
         choices=list(summaries),

@@ -11,7 +11,7 @@ from rosbase.device.watch import Watch
 from rosbase.errors import TransportError
 from rosbase.framing import Framer
 from rosbase.runtime.backoff import Backoff
-from rosbase.runtime.stopping import leave_signals_to_the_main_thread
+from rosbase.runtime.signal_masks import background_thread
 from rosbase.runtime.wake_pipe import WakePipe
 
 __all__ = ["ReaderThread"]
@@ -61,7 +61,7 @@ class ReaderThread:
         self.device = device
         """Device, as long as there is one; the thread that joins this one takes it over."""
         self._has_lost_device = False
-        self._thread = threading.Thread(target=self._run, name="rosbase-reader", daemon=True)
+        self._thread = background_thread(self._run, "rosbase-reader")
 
     def start(self) -> None:
         """Start reading data that arrives from now on.
@@ -106,7 +106,6 @@ class ReaderThread:
         return not self._thread.is_alive()
 
     def _run(self) -> None:
-        leave_signals_to_the_main_thread()
         try:
             while not self._stopping:
                 device = self.device or self._reopen()

@@ -1,11 +1,14 @@
-"""Covariances from standard deviations (REP-145: parameters override what a device says)."""
+"""Covariances by REP-145: from standard deviations, and as the mark of an absent quantity."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 from rosbase.errors import ParameterError
 from rosbase.messages import COVARIANCE_UNKNOWN, Covariance
 
-__all__ = ["covariance_of"]
+__all__ = ["covariance_of", "measured"]
+
+_T = TypeVar("_T")
 
 
 def covariance_of(name: str, stddev: Sequence[float]) -> Covariance:
@@ -26,3 +29,8 @@ def covariance_of(name: str, stddev: Sequence[float]) -> Covariance:
     if not x + y + z < float("inf"):
         raise ParameterError(f"parameter {name} is too large")
     return (x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z)
+
+
+def measured(value: _T, covariance: Covariance) -> _T | None:
+    """Return the value; None if its covariance begins with -1, which marks it as absent."""
+    return None if covariance[0] == -1.0 else value

@@ -9,6 +9,7 @@ from rosbase.contracts.transport import PluggableDevice, SimulatedDevice
 from rosbase.errors import TransportError
 from rosbase.imu.motion import motion_at
 from rosbase.messages import Time
+from rosbase.runtime.signal_masks import background_thread
 
 __all__ = ["Fault", "ImuSimulator", "payload_at"]
 
@@ -75,7 +76,7 @@ class ImuSimulator:
         if self._thread is not None:
             return
         self._stop.acquire()
-        self._thread = threading.Thread(target=self._run, name="imu-simulator", daemon=True)
+        self._thread = background_thread(self._run, "imu-simulator")
         self._thread.start()
 
     def stop(self) -> None:

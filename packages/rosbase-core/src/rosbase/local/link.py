@@ -25,6 +25,7 @@ from rosbase.local.endpoints import Channel, LocalSubscription
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile
 from rosbase.runtime.executor import Executor
+from rosbase.runtime.signal_masks import background_thread
 
 __all__ = ["Link"]
 
@@ -138,7 +139,7 @@ class Link:
         self._wanted_there.clear()
 
     def _thread(self, what: str, target: Callable[[], None]) -> threading.Thread:
-        return threading.Thread(target=target, name=f"link-{self._name}-{what}", daemon=True)
+        return background_thread(target, f"link-{self._name}-{what}")
 
     # On the sending thread.
 

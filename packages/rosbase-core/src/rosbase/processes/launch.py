@@ -23,7 +23,7 @@ from rosbase.local import process_bus
 from rosbase.local.link import Link
 from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
-from rosbase.runtime.stopping import hold_signals
+from rosbase.runtime.signal_masks import hold_signals
 
 __all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order"]
 

@@ -21,7 +21,7 @@ from rosbase.processes.launch import Order
 from rosbase.processes.mark import Mark, Marks
 from rosbase.processes.records import RecordLines
 from rosbase.processes.survivors import name_survivors
-from rosbase.runtime.stopping import leave_signals_to_the_main_thread
+from rosbase.runtime.signal_masks import background_thread
 
 __all__ = ["Supervisor"]
 
@@ -51,7 +51,7 @@ class Supervisor:
         self._has_begun = threading.Event()
         self._stopping = False
         self._stop_lock = threading.Lock()
-        self._thread = threading.Thread(target=self._run, name="children", daemon=True)
+        self._thread = background_thread(self._run, "children")
         self._wake_r, self._wake_w = os.pipe()
         try:
             self._selector = selectors.DefaultSelector()
@@ -110,7 +110,6 @@ class Supervisor:
     # On the supervisor's thread, but for the first starts, which come before.
 
     def _run(self) -> None:
-        leave_signals_to_the_main_thread()
         self._has_begun.wait()
         if not self._stopping:
             self._deal_with(None, partial(name_survivors, self._marks.program, self.journal))

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import TypeVar
 
 from attrs import Factory, define, frozen
 
@@ -10,7 +9,8 @@ from rosbase.cli.panel.bars import Scale, bar
 from rosbase.cli.panel.fields import Field, row, sentence
 from rosbase.cli.panel.style import Style
 from rosbase.imu.attitude import roll_pitch_yaw
-from rosbase.messages import Covariance, Imu, MagneticField, Vector3
+from rosbase.imu.covariance import measured
+from rosbase.messages import Imu, MagneticField, Vector3
 
 __all__ = ["LEAST_HEIGHT", "LEAST_WIDTH", "Panel", "View"]
 
@@ -19,7 +19,6 @@ LEAST_WIDTH, LEAST_HEIGHT = 60, 10
 
 _MOST_WIDTH = 120
 
-_T = TypeVar("_T")
 _VALUE_WIDTH = 8
 _COLUMN_GAP = "  "
 _MICRO = 1e6
@@ -70,7 +69,7 @@ class Panel:
         ]
 
     def _attitude(self, sample: Imu) -> list[Field]:
-        if _measured(sample.orientation, sample.orientation_covariance) is None:
+        if measured(sample.orientation, sample.orientation_covariance) is None:
             return [Field("orientation", "not measured", ("dim",))]
         degree = self.style.words("°", " deg")
         angles = roll_pitch_yaw(sample.orientation)
@@ -82,8 +81,8 @@ class Panel:
     def _motion(self, sample: Imu, width: int) -> list[str]:
         """Return a line for each axis: the acceleration to the left, the rate to the right."""
         style = self.style
-        force = _measured(sample.linear_acceleration, sample.linear_acceleration_covariance)
-        rate = _measured(sample.angular_velocity, sample.angular_velocity_covariance)
+        force = measured(sample.linear_acceleration, sample.linear_acceleration_covariance)
+        rate = measured(sample.angular_velocity, sample.angular_velocity_covariance)
         for scale, vector in ((self._accelerations, force), (self._rates, rate)):
             if vector is not None:
                 scale.include(vector.x, vector.y, vector.z)
@@ -118,11 +117,6 @@ class Panel:
         unit = self.style.words("µT", "uT")
         fields = [Field(axis, f"{_number(getattr(field, axis) * _MICRO)} {unit}") for axis in "xyz"]
         return [row([Field("magnetic field"), *fields], width, self.style)]
-
-
-def _measured(value: _T, covariance: Covariance) -> _T | None:
-    """Return the value, or None if the covariance says that there is none (REP-145)."""
-    return None if covariance[0] == -1.0 else value
 
 
 def _head(names: tuple[str, str], unit: str, width: int) -> str:

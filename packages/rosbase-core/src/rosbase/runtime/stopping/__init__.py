@@ -3,15 +3,12 @@
 from rosbase.runtime.stopping.interrupt import Interrupt
 from rosbase.runtime.stopping.limit import limit_real_time
 from rosbase.runtime.stopping.signals import StopSignals, stop_on_signals
-from rosbase.runtime.stopping.threads import hold_signals, leave_signals_to_the_main_thread
 from rosbase.runtime.stopping.wishes import Wishes
 
 __all__ = [
     "Interrupt",
     "StopSignals",
     "Wishes",
-    "hold_signals",
-    "leave_signals_to_the_main_thread",
     "limit_real_time",
     "stop_on_signals",
 ]

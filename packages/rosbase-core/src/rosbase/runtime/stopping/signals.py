@@ -18,6 +18,7 @@ from typing import Any
 from attrs import frozen
 
 from rosbase.clock import SystemClock
+from rosbase.runtime.signal_masks import STOP_SIGNALS
 from rosbase.runtime.stopping.interrupt import Defer, Interrupt
 from rosbase.runtime.stopping.native import is_same_handler, read_handler, write_handler
 from rosbase.runtime.stopping.wishes import Wishes
@@ -30,7 +31,6 @@ _FORCE_WISHES = 3
 
 # Windows has no SIGHUP.
 _HANGUP = getattr(signal, "SIGHUP", None)
-_SIGNALS = [signal.SIGINT, signal.SIGTERM] + ([_HANGUP] if _HANGUP is not None else [])
 
 _clock = SystemClock()
 
@@ -153,7 +153,7 @@ class _Handlers:
         self.active += 1
         numbers = [
             number
-            for number in _SIGNALS
+            for number in STOP_SIGNALS
             if number != _HANGUP or signal.getsignal(number) is not signal.SIG_IGN
         ]
         native = {number: read_handler(number) for number in numbers}
