@@ -1,11 +1,13 @@
 """What the site shows of the code is all of it. That it can be built, `nox -s docs` shows."""
 
+import ast
 import pkgutil
 import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from sphinx.project import Project
 
 import rosbase
 from generators import capabilities, conformance, docstrings, lifecycle, public
@@ -34,6 +36,17 @@ ROOMS = ("contracts", "roles", "runtime", "text")
 
 REGISTRY = installed_plugins()
 TABLES = capabilities.tables(REGISTRY)
+
+
+def test_what_tools_leave_in_a_folder_is_no_page(tmp_path: Path) -> None:
+    patterns = re.search(r"^exclude_patterns = (\[.*\])$", (DOCS / "conf.py").read_text(), re.M)
+    assert patterns is not None
+    kept, left = tmp_path / "how-to" / "page.md", tmp_path / "examples/udp/.pytest_cache/README.md"
+    for path in (kept, left):
+        path.parent.mkdir(parents=True)
+        path.write_text("# A page")
+    found = Project(tmp_path, {".md": "markdown"}).discover(ast.literal_eval(patterns[1]))
+    assert found == {"how-to/page"}
 
 
 def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
