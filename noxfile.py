@@ -24,7 +24,7 @@ DISTRIBUTIONS = {
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
 }
-# Tests that keep a processor busy. The others mostly wait: for time, brokers and processes.
+# Tests that often keep a processor busy. The others mostly wait: for time, brokers and processes.
 BUSY = {"tests/ros2"}
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
@@ -65,11 +65,12 @@ PYTHONS = _pythons()
 
 
 def _test(session: nox.Session, folder: str) -> None:
-    """Runs the tests of a folder, twice as many at a time as there are processors.
+    """Runs the tests of a folder, up to twice as many at a time as there are processors.
 
     Tests that need only one Python run on the first.
     """
-    at_once = max(2, os.cpu_count() or 1) * (1 if folder in BUSY else 2)
+    processors = max(2, os.cpu_count() or 1)
+    at_once = processors * 3 // 2 if folder in BUSY else processors * 2
     is_first = session.python in (None, PYTHONS[0])
     options = [] if is_first else ["-m", "not once"]
     session.run("pytest", "-q", "-n", str(at_once), *options, folder, *session.posargs)

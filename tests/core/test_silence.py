@@ -651,6 +651,7 @@ def pytest_process(folder: Path, name: str) -> "subprocess.Popen[str]":
     )
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("name", list(REASONS))
 def test_a_test_that_hangs_in_virtual_time_fails_with_a_reason(name: str, tmp_path: Path) -> None:
     with pytest_process(tmp_path, name) as process:

@@ -38,6 +38,7 @@ def reader_of(broker: ScriptedBroker, kind: Kind) -> RunningRosbase:
     return RunningRosbase("imu", *given, "--topic-echo")
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 def test_m16_the_reader_does_not_grow_says_little_reads_a_good_broker_again_and_ends(
     broker: ScriptedBroker, kind: Kind

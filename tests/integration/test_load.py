@@ -128,6 +128,7 @@ def read_a_flow(pause_s: float) -> Load:
     return Load(int(sent), took_s, share, late_kb - early_kb, counts)
 
 
+@pytest.mark.once
 @pytest.mark.timeout(180)
 @pytest.mark.parametrize("pause_s", [0.0, 0.001])
 def test_a_3_mbaud_line_costs_less_than_a_fifth_of_a_core_and_loses_nothing(

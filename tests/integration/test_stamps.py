@@ -140,6 +140,7 @@ def after_ten_seconds(make: Callable[[], Any]) -> tuple[RunningRosbase, Paced, d
     return reader, device, summary_of(reader.err.lines)
 
 
+@pytest.mark.once
 def test_a_stall_of_ten_seconds_in_which_a_line_overruns_is_counted_and_said() -> None:
     reader, device, counts = after_ten_seconds(on_a_line)
     samples = echoed(reader.out.lines)
@@ -151,6 +152,7 @@ def test_a_stall_of_ten_seconds_in_which_a_line_overruns_is_counted_and_said() -
     assert counts["late_frames"] >= counts["late"]
 
 
+@pytest.mark.once
 @pytest.mark.timeout(120)
 @pytest.mark.skipif(not is_installed(), reason="mosquitto is not installed")
 def test_a_stall_of_ten_seconds_over_mqtt_is_counted_and_said(tmp_path: Path) -> None:
