@@ -52,7 +52,7 @@ def complaint(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
         (["doctr"], "did you mean 'doctor'?"),
         (["doctor", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
         (["doctor", "-p", "frameid:=x"], "unknown parameter 'frameid'"),
-        ([], "say what to do: demo, doctor, imu, plugins"),
+        ([], "give a command: demo, doctor, imu, plugins"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line_and_status_2(

@@ -45,5 +45,5 @@ def test_what_is_left_is_in_order_and_without_the_word(words: list[str]) -> None
 
 def test_arguments_of_another_backend_than_the_chosen_one_are_an_error() -> None:
     check_taken({"--far-args": "far"}, "far")
-    with pytest.raises(ConfigurationError, match="--far-args is for the backend far, and this is"):
+    with pytest.raises(ConfigurationError, match="--far-args are for the backend far, but this is"):
         check_taken({"--far-args": "far"}, "plain")

@@ -185,7 +185,7 @@ def test_the_interpreter_is_named_and_what_nobody_has_tried_is_a_warning(
     ("date_s", "outcome", "said"),
     [
         (1_795_000_000, Outcome.OK, "the date of this machine is 2026-11-18 11:06:40 UTC"),
-        (300, Outcome.WARN, "1970-01-01 00:05:00 UTC, which is long ago: nobody has set it"),
+        (300, Outcome.WARN, "1970-01-01 00:05:00 UTC: its clock was never set"),
         (2_208_988_800, Outcome.WARN, "2040-01-01 00:00:00 UTC, and ROS stamps go from 1970 to"),
         (-1, Outcome.WARN, "1969-12-31 23:59:59 UTC, and ROS stamps go from 1970 to"),
     ],

@@ -224,7 +224,7 @@ def test_one_absurd_date_costs_none_of_the_good_ones_after_it(
 def test_a_date_that_is_never_usable_is_said(device: Callable[..., Device]) -> None:
     imu = device(time_source="device")
     assert imu.send(lambda: imu.at_rest(at="12:00:01"), 5.0) == 100
-    said = "the device's time is unusable, stamps are of arrival: '12:00:01' is no date"
+    said = "the device's time is unusable, samples are stamped on arrival: '12:00:01' is no date"
     assert said in health_of(imu)
     imu.send(lambda: imu.dated(0), 1.0)
     assert health_of(imu) == ""

@@ -610,7 +610,7 @@ def test_f_a_quantity_that_is_asked_for_and_never_there_is_named_once(
         []
         if comes_late
         else [
-            "angular_velocity is asked for, and no sample has had it: "
+            "angular_velocity is mapped, but no sample has had it: "
             "angular_velocity: the payload has no 'gyr'; did you mean 'gyro'?"
         ]
     )

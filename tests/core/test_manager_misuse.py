@@ -71,7 +71,7 @@ def test_a_manager_cannot_be_started_from_within_its_own_loop() -> None:
 
 def test_children_that_are_none_end_in_the_whole_clean_up() -> None:
     backend = virtual_backend()
-    with pytest.raises(TypeError, match="is not what register_multiprocess_nodes gave"):
+    with pytest.raises(TypeError, match="is not a return value of register_multiprocess_nodes"):
         BaseManager(backend=backend).start_main_loop_timer(["sleep 1"])  # type: ignore[arg-type]
     assert backend._closed
 

@@ -23,7 +23,7 @@ def test_one_that_no_node_declares_is_named_once_with_the_nearest_one(
     assert node.declare_parameter("rate", 1.0).value == 7.0
     for _ in range(3):
         spin(backend)
-    said = "is set from outside, and this node does not have it"
+    said = "is set from outside, but this node does not declare it"
     assert [record.getMessage() for record in caplog.records] == [
         f"parameter robot.name {said}",
         f"parameter stale_timout {said}; did you mean stale_timeout?",

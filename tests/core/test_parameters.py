@@ -97,7 +97,7 @@ def test_text_becomes_a_value_of_the_parameter(
         (TIMEOUT, "-007", "parameter timeout: -007 is octal in YAML; write -7, if it is meant"),
         (COUNTS, "[1, 02]", "parameter counts: 02 is octal in YAML; write 2, if it is meant"),
         (COUNTS, str(2**63), "parameter counts takes whole numbers of 64 bits"),
-        (FLAGS, "[1]", "parameter flags takes truths such as [true, false], not [1]"),
+        (FLAGS, "[1]", "parameter flags takes booleans such as [true, false], not [1]"),
         (KEY, "[256]", "parameter key takes bytes such as [0, 255], not [256]"),
         (KEY, "abc", "parameter key takes bytes such as [0, 255], not ['abc']"),
         (MODE, "loud", "parameter mode is one of warn, off, not 'loud'"),

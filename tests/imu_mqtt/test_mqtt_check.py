@@ -46,7 +46,7 @@ def guarded(tmp_path: Path) -> Iterator[Mosquitto]:
 
 def test_a_broker_that_is_there_and_lets_us_read_is_fine(embedded: EmbeddedBroker) -> None:
     assert finding(server_address=embedded.address) == Finding(
-        Outcome.OK, f"{embedded.address} is there, and lets us read esp32/imu"
+        Outcome.OK, f"{embedded.address} accepts the subscription to esp32/imu"
     )
 
 
@@ -87,7 +87,7 @@ def test_a_wrong_password_fails_and_is_not_told(
         Outcome.FAIL,
         Outcome.OK,
     ]
-    assert wrong.text == f"{guarded.address} refuses us as 'imu': Not authorized"
+    assert wrong.text == f"{guarded.address} refuses the connection as 'imu': Not authorized"
     assert "without a username" in nobody.advice
     assert "as 'imu'" in wrong.advice
     assert PASSWORD_VARIABLE in wrong.advice
@@ -125,10 +125,10 @@ def test_what_is_advised_on_tls_is_what_is_wrong(rig: MosquittoRig) -> None:
     assert "PEM files" in finding(server_address=secure, **trusted, **mine).advice
     refused = finding(server_address=secure, **trusted)
     # The broker says why and hangs up, and the network may lose the one over the other.
-    assert "tls_cert_file" in refused.advice or "hung up" in refused.text
+    assert "tls_cert_file" in refused.advice or "ended the TLS handshake" in refused.text
     broker.stop()
     plain = rig.broker()
-    assert "say tcp://" in finding(server_address=f"mqtts://localhost:{plain.port}").text
+    assert "use tcp://" in finding(server_address=f"mqtts://localhost:{plain.port}").text
 
 
 def test_what_speaks_no_mqtt_is_no_matter_of_passwords() -> None:
@@ -140,9 +140,13 @@ def test_what_speaks_no_mqtt_is_no_matter_of_passwords() -> None:
 @pytest.mark.parametrize(
     ("given", "password", "text"),
     [
-        ({"username": "imu"}, "", "refuses us as 'imu' without a password: "),
-        ({}, "right", f"refuses us without a username, which {PASSWORD_VARIABLE} needs: "),
-        ({}, "", "refuses us: "),
+        ({"username": "imu"}, "", "refuses the connection as 'imu' without a password: "),
+        (
+            {},
+            "right",
+            f"refuses the connection without a username, which {PASSWORD_VARIABLE} needs: ",
+        ),
+        ({}, "", "refuses the connection: "),
     ],
 )
 def test_a_refusal_says_as_whom_we_came(
@@ -176,7 +180,7 @@ def test_a_reader_that_is_connected_is_not_disturbed(rig: MosquittoRig) -> None:
 def test_values_that_contradict_each_other_fail_in_one_line() -> None:
     found = finding(server_address="tcp://a:b@host")
     assert found.outcome is Outcome.FAIL
-    assert "takes no user and no password" in found.text
+    assert "must not contain a user or a password" in found.text
     assert found.advice
 
 

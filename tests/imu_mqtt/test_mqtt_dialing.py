@@ -178,7 +178,7 @@ def test_a_websocket_that_answers_in_its_own_way_is_one_line_and_tried_again(
     with pytest.raises(TransportError) as caught:
         rig.transport(address).open()
     said = r"HTTP/1.1 404 Not\x1b[2J Found\nhere"
-    assert str(caught.value) == f"{address} answers what is no WebSocket for MQTT: {said}"
+    assert str(caught.value) == f"{address} accepts no WebSocket for MQTT: {said}"
     transport = rig.transport(address, wait_for_broker=True)
     transport.open()
     calls = listener.calls

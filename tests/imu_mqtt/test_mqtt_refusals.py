@@ -27,7 +27,7 @@ def test_m3_a_refusal_is_named_and_raised(rig: MqttRig, broker: ScriptedBroker, 
     broker.behaviour = refuses(code)
     transport = rig.transport(broker.address)
     with pytest.raises(
-        RefusedError, match=f"^{broker.address} (refuses us: |speaks no MQTT)"
+        RefusedError, match=f"^{broker.address} (refuses the connection: |does not speak MQTT)"
     ) as caught:
         transport.open()
     assert "\n" not in str(caught.value)

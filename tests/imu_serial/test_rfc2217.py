@@ -109,7 +109,7 @@ def test_a_server_that_does_not_answer_is_refused_in_time(
     sending.start()
 
     def fails() -> None:
-        with pytest.raises(TransportError, match="does not answer as RFC 2217 asks for"):
+        with pytest.raises(TransportError, match="does not answer as RFC 2217 requires"):
             transport.open()
 
     assert elapsed(fails) < 5.0

@@ -58,7 +58,7 @@ def test_an_absent_port_fails_and_those_that_are_there_are_named(
     assert absent.outcome is Outcome.FAIL
     assert "is not there; is the device plugged in?" in absent.text
     assert port in absent.advice
-    assert other == Finding(Outcome.OK, f"{port} is there, and this user may open it")
+    assert other == Finding(Outcome.OK, f"{port} exists, and this user may open it")
 
 
 @pytest.mark.parametrize("path", ["", "/", "/dev/null", "/dev/a\nb"])
@@ -83,7 +83,7 @@ def test_where_none_is_named_the_default_or_the_ports_that_are_there_count(
     ports.append(port)
     absent, there = findings()
     assert (absent.outcome, there.outcome) == (Outcome.WARN, Outcome.OK)
-    assert absent.advice == f"name yours: -p device_path:={port}"
+    assert absent.advice == f"set yours: -p device_path:={port}"
     monkeypatch.setitem(DEFAULTS, "device_path", port)
     assert [found.outcome for found in findings()] == [Outcome.OK]
 
@@ -204,7 +204,7 @@ def test_who_has_joined_the_group_and_not_logged_in_again_is_told_to(rig: Serial
     give_to_a_group(port, 0o060)
     me, ((outcome, _, advice),) = as_nobody(port, named=port, more=JOINED)
     assert outcome == "fail"
-    assert advice == f"{me} has come into that group meanwhile: log out, and in again"
+    assert advice == f"{me} was added to that group: log out and in again"
 
 
 def test_no_group_is_advised_where_a_group_does_not_help(rig: SerialRig) -> None:
@@ -259,7 +259,7 @@ def test_a_long_latency_timer_is_said_with_how_to_shorten_it(
 ) -> None:
     _, slow = findings(device_path=port)
     assert slow.outcome is Outcome.WARN, "it is long although it has been opened"
-    assert slow.text == f"{port} hands over what arrives every 16 ms, and does so for a reader, too"
+    assert slow.text == f"{port} delivers data only every 16 ms, also for a reader"
     assert f"echo 1 | sudo tee {latency_timer}" in slow.advice
     ports.append(port)
     (quiet,) = [f for f in findings() if "every 16 ms" in f.text]

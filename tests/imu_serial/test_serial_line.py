@@ -156,7 +156,7 @@ def test_a_line_that_is_set_and_not_there_is_named_once(
     transport = rig.transport(clock=FastClock(), dtr=dtr, rts=rts)
     transport.start(rig.keep)
     names = " and ".join(n for n, wish in (("dtr", dtr), ("rts", rts)) if wish != "leave")
-    said = f"{rig.port.path} has no lines to set for {names}"
+    said = f"{rig.port.path} has no modem lines to set for {names}"
     wait_until(lambda: said in caplog.messages, "the remark")
     deadline = FastClock.monotonic_ns() + 10 * 10**9
     wait_until(lambda: FastClock.monotonic_ns() > deadline, "more looks")

@@ -171,7 +171,9 @@ def test_a_password_is_seen_nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             "imu", "-p", "comm_t:=mqtt", "-p", f"server_address:={broker.address}",
             "-p", "username:=imu", "-p", "wait_for_broker:=true",
         ) as reader:  # fmt: skip
-            reader.waits_for("connected to" if password == "right-secret" else "refuses us")
+            reader.waits_for(
+                "connected to" if password == "right-secret" else "refuses the connection"
+            )
             line = Path(f"/proc/{reader.process.pid}/cmdline").read_bytes()
             assert reader.end(signal.SIGINT) == 0
         assert password.encode() not in line
@@ -280,9 +282,9 @@ def test_the_plug_of_the_demo_over_mqtt_is_its_broker() -> None:
     ("given", "complaint"),
     [
         ("server_address:=http://x", "server_address is one of tcp://"),
-        ("server_address:=tcp://me:hush@x", "server_address takes no user and no password"),
+        ("server_address:=tcp://me:hush@x", "server_address must not contain a user or a password"),
         ("mqtt_topic:=a+/b", "+ stands for a whole level"),
-        ("status_topic:=esp32/imu", "status_topic is one that mqtt_topic reads"),
+        ("status_topic:=esp32/imu", "status_topic matches mqtt_topic"),
         ("password_file:=secret", "password_file needs username"),
     ],
 )

@@ -126,7 +126,7 @@ def test_a_class_of_a_third_party_is_converted_inside_that_of_another(
     ("create", "reason"),
     [
         ("raise OSError('no\\nluck')", "OSError: no luck"),
-        ("return 5", "TypeError: 5 is neither a message class of ROS nor a Converter for this one"),
+        ("return 5", "TypeError: 5 is neither a ROS message class nor a Converter for this one"),
         (
             "from geometry_msgs.msg import Twist; return Twist",
             "TypeError: Force and Twist of ROS differ in fields: angular, force, linear, torque",

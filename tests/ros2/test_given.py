@@ -40,7 +40,7 @@ def test_a_parameter_that_nobody_has_is_named_once_with_the_nearest_one(
         backend.declare_parameter(ParameterSpec(name, 1.0))
     for _ in range(3):
         spin(backend)
-    said = "is set from outside, and this node does not have it"
+    said = "is set from outside, but this node does not declare it"
     assert messages(caplog) == [
         f"parameter baud_rate {said}; did you mean baudrate?",
         f"parameter robot.name {said}",
@@ -274,7 +274,7 @@ def test_the_reader_heeds_a_file_of_ros_and_names_what_it_does_not_know(
         ) as reader:
             reader.waits_for("opened")
             reader.waits_for(
-                "parameter stale_timout is set from outside, and this node does not have it;"
+                "parameter stale_timout is set from outside, but this node does not declare it;"
                 " did you mean stale_timeout?"
             )
 

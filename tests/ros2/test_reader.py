@@ -254,7 +254,7 @@ def test_arguments_of_ros_without_ros_are_an_error_not_a_silence() -> None:
     done = run_rosbase("imu", "--ros-args", "-p", "frame_id:=front")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert (
-        "--ros-args is for the backend ros2, and this is local: add --backend ros2" in done.stderr
+        "--ros-args are for the backend ros2, but this is local: add --backend ros2" in done.stderr
     )
 
 

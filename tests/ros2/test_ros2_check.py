@@ -41,7 +41,7 @@ def test_a_middleware_that_is_not_there_fails_and_does_not_end_the_command(
         "ros2",
         "RMW_IMPLEMENTATION is rmw_zenoh_cpp, which this rclpy does not have",
     )
-    assert failed["advice"] == "unset it, install it, or name one that is there: rmw_fastrtps_cpp"
+    assert failed["advice"] == "unset it, install it, or use one of rmw_fastrtps_cpp"
 
 
 def test_middleware_is_found_under_every_prefix_of_ros(

@@ -1,4 +1,4 @@
-"""Checks of the broker for `rosbase doctor`: it is there, and lets us read the topic."""
+"""Checks of the broker for `rosbase doctor`: it accepts the subscription to the topic."""
 
 from collections.abc import Iterable, Mapping
 
@@ -24,17 +24,17 @@ def check_broker(context: CheckContext) -> Iterable[Finding]:
     try:
         config = _as_a_guest(context.values)
     except ParameterError as refusal:
-        advice = "`rosbase imu --list-parameters` says what they take"
+        advice = "see `rosbase imu --list-parameters`"
         return [Finding(Outcome.FAIL, str(refusal), advice)]
     error = _try(config, context.clock)
     if error is None:
-        text = f"{config.address} is there, and lets us read {config.topic}"
+        text = f"{config.address} accepts the subscription to {config.topic}"
         return [Finding(Outcome.OK, text)]
     if context.asks_for("mqtt", "server_address"):
         return [Finding(Outcome.FAIL, str(error), _advice_on(error, config))]
     if isinstance(error, DeviceNotFoundError):
-        advice = "if you have one elsewhere: -p server_address:=tcp://HOST:PORT"
-        return [Finding(Outcome.SKIP, f"{error}, and no other is named", advice)]
+        advice = "if the broker runs on another host: -p server_address:=tcp://HOST:PORT"
+        return [Finding(Outcome.SKIP, f"{error}, the default address", advice)]
     return [Finding(Outcome.WARN, str(error), _advice_on(error, config))]
 
 
@@ -63,13 +63,17 @@ def _try(config: MqttConfig, clock: Clock) -> TransportError | None:
 def _advice_on(error: TransportError, config: MqttConfig) -> str:
     match error:
         case DeviceNotFoundError():
-            return "start it, or name another: -p server_address:=tcp://HOST:PORT; or a firewall?"
+            return (
+                "start the broker, or set its address: -p server_address:=tcp://HOST:PORT;"
+                " is there a firewall?"
+            )
         case RefusedError(advice=advice) if advice:
             return advice
         case RefusedError():
             who = f"as {config.username!r}" if config.username else "without a username"
             return (
-                f"we come {who}: set username, and the password in {PASSWORD_VARIABLE} or"
-                " password_file; see whom the broker lets in, and to which topics"
+                f"the reader connects {who}: set username, and the password in"
+                f" {PASSWORD_VARIABLE} or password_file;"
+                " check the users and the topic permissions of the broker"
             )
-    return "see what the log of the broker says; is it one for MQTT?"
+    return "see the broker's log; is it an MQTT broker?"

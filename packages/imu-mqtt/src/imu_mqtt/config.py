@@ -38,20 +38,20 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
         "mqtt_topic", "esp32/imu", "the topic to read; with + or #, the first that gives a sample"
     ),
     ParameterSpec("qos", 0, "quality of service of the subscription", minimum=0, maximum=2),
-    _text("client_id", "", "how the broker knows this client; empty: made up, unique"),
+    _text("client_id", "", "client id; empty: a generated one, unique"),
     ParameterSpec(
         "keepalive", 15, "seconds of silence after which a ping is sent", minimum=1, maximum=65_535
     ),
     _text("mqtt_version", "3.1.1", "version of the protocol", "3.1.1", "5"),
     _text("username", "", f"user name; the password is in ${PASSWORD_VARIABLE} or a file"),
     _text("password_file", "", "a file that holds the password, and nothing else"),
-    _text("tls_ca_file", "", "certificates to trust, in PEM; empty: those of the system"),
-    _text("tls_cert_file", "", "our own certificate, in PEM, if the broker asks for one"),
-    _text("tls_key_file", "", "the key of our own certificate, in PEM"),
+    _text("tls_ca_file", "", "CA certificates to trust, in PEM; empty: the system's"),
+    _text("tls_cert_file", "", "client certificate, in PEM, if the broker requires one"),
+    _text("tls_key_file", "", "key of the client certificate, in PEM"),
     _text(
         "status_topic",
         "",
-        "topic that keeps `online` and `offline`, also as last will; empty: none",
+        "topic of the retained status, `online` or `offline` (last will); empty: none",
     ),
     ParameterSpec(
         "wait_for_broker",
@@ -143,7 +143,7 @@ class MqttConfig:
         if given["status_topic"]:
             _check_topic("status_topic", given["status_topic"], may_be_filter=False)
             if _stands_for(given["mqtt_topic"], given["status_topic"]):
-                raise ParameterError("parameter status_topic is one that mqtt_topic reads")
+                raise ParameterError("parameter status_topic matches mqtt_topic")
         for name, needed in (("tls_key_file", "tls_cert_file"), ("password_file", "username")):
             if given[name] and not given[needed]:
                 raise ParameterError(f"parameter {name} needs {needed}")
@@ -203,13 +203,13 @@ def _complaint(text: str, url: SplitResult, port: int | None) -> str:
     """Return the fault of an address, without its secrets; empty if there is none."""
     known = ", ".join(f"{scheme}://" for scheme in _PORTS)
     if "@" in text and not text.startswith("unix:"):
-        return f"takes no user and no password: set username, and ${PASSWORD_VARIABLE}"
+        return f"must not contain a user or a password: set username and ${PASSWORD_VARIABLE}"
     if url.scheme not in _PORTS:
-        return f"is one of {known} and a host, a colon and a port"
+        return f"must be one of {known}, followed by host:port"
     if not text.isprintable() or " " in text:
-        return "takes no blanks and nothing that cannot be printed"
+        return "must not contain blanks or unprintable characters"
     if "?" in text or "#" in text or (url.path not in ("", "/") and url.scheme in _WITHOUT_PATH):
-        return "takes nothing behind the port, or behind the path of ws:// and wss://"
+        return "must end after the port; only ws:// and wss:// have a path"
     if url.scheme == "unix":
         return "" if url.path and not url.netloc else "unix:// takes an absolute path"
     if not url.hostname:
@@ -262,7 +262,9 @@ def _check_topic(name: str, topic: str, *, may_be_filter: bool) -> None:
     if not topic:
         raise ParameterError(f"parameter {name} takes a topic")
     if not may_be_filter and topic.startswith("$"):
-        raise ParameterError(f"parameter {name} takes no $ in front: that is for the broker's own")
+        raise ParameterError(
+            f"parameter {name} must not start with $: these topics are the broker's own"
+        )
     levels = topic.split("/")
     wild = [level for level in levels if "+" in level or "#" in level]
     if wild and not may_be_filter:

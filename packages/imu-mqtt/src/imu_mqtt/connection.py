@@ -278,7 +278,7 @@ class Connection:
     def _no_mqtt(self, error: MalformedError) -> TransportError:
         """Return the message for a connection that ends with an invalid packet."""
         if self._session.is_accepted:
-            return TransportError(f"{self._config.address} sends no MQTT: {error}")
+            return TransportError(f"{self._config.address} sends data that is not MQTT: {error}")
         return self._session.speaks_otherwise(str(error))
 
     def _lost(self) -> TransportError:

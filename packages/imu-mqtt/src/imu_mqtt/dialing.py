@@ -164,7 +164,7 @@ def tls_context(config: MqttConfig) -> ssl.SSLContext | None:
             # A password, for OpenSSL asks the terminal if there is none.
             context.load_cert_chain(config.cert_file, config.key_file or None, password="")
     except (OSError, ValueError) as error:
-        advice = "PEM files, the key without a passphrase, and that of the certificate"
+        advice = "give PEM files, and the certificate's own key, without a passphrase"
         raise TlsError(f"{named} cannot be used for TLS: {words_of(error)}", advice) from error
     return context
 
@@ -173,28 +173,30 @@ def unreachable(address: Address, error: Exception) -> TransportError:
     """Return the message to the user for an error while dialing."""
     if address.is_secure and isinstance(error, (ConnectionResetError, ssl.SSLEOFError)):
         # A broker that is being restarted does so too, so this is no reason to try less often.
-        return TransportError(f"{address} hung up on TLS; if it expects none, say tcp:// or ws://")
+        return TransportError(
+            f"{address} ended the TLS handshake; if it does not use TLS, use tcp:// or ws://"
+        )
     if isinstance(error, ssl.SSLError):
         return TlsError(f"{address}: TLS fails: {words_of(error)}", _advice_on_tls(error))
     if isinstance(error, (ConnectionRefusedError, FileNotFoundError)):
         return DeviceNotFoundError(f"there is no broker at {address}")
     if isinstance(error, socket.gaierror):
-        return DeviceNotFoundError(f"{address}: the name is not known: {words_of(error)}")
+        return DeviceNotFoundError(f"{address}: unknown host name: {words_of(error)}")
     if isinstance(error, TimeoutError):
         return DeviceNotFoundError(f"no answer from {address}")
     if address.scheme in ("ws", "wss") and getattr(error, "errno", None) is None:
-        return TransportError(f"{address} answers what is no WebSocket for MQTT: {words_of(error)}")
+        return TransportError(f"{address} accepts no WebSocket for MQTT: {words_of(error)}")
     return TransportError(f"{address}: {words_of(error)}")
 
 
 def _advice_on_tls(error: ssl.SSLError) -> str:
     if isinstance(error, ssl.SSLCertVerificationError):
         if error.verify_code in _WRONG_NAME:
-            return "the address must be a name that the broker's certificate has"
-        return "tls_ca_file names the certificate of who has signed the broker's"
+            return "the address must be a name in the broker's certificate"
+        return "tls_ca_file must hold the CA certificate that signed the broker's"
     if "ALERT" in (error.reason or ""):
-        return "tls_cert_file and tls_key_file name a certificate that the broker trusts"
-    return "is TLS spoken there? if not, say tcp:// or ws://"
+        return "tls_cert_file and tls_key_file must hold a certificate that the broker trusts"
+    return "does this port use TLS? if not, use tcp:// or ws://"
 
 
 def words_of(error: Exception) -> str:

@@ -325,7 +325,8 @@ class NetworkThread:
         alternate or differ each time.
         """
         if reason not in self._said and len(self._said) >= _MANY_REASONS:
-            reason = f"the connection to {self._config.address} fails for ever new reasons"
+            address = self._config.address
+            reason = f"the connection to {address} keeps failing, each time for another reason"
         if reason == self._tally.last_error:
             return
         self._tally.last_error = reason

@@ -173,12 +173,12 @@ class PacketReader:
     def _check(self, kind: int, length: int) -> None:
         """Refuse packets that no broker sends, or not now, as soon as they begin."""
         if kind == CONNACK and self._is_greeted:
-            raise MalformedError("a second answer to our greeting")
+            raise MalformedError("a second CONNACK")
         if kind != CONNACK and not self._is_greeted:
-            raise MalformedError(f"a packet 0x{kind:02x} before the answer to our greeting")
+            raise MalformedError(f"a packet 0x{kind:02x} before CONNACK")
         least, most = self._lengths.get(kind, (1, 0))
         if least > most:
-            raise MalformedError(f"a packet 0x{kind:02x}, which is not for us")
+            raise MalformedError(f"a packet 0x{kind:02x}, which no broker may send")
         if not least <= length <= most:
             raise MalformedError(f"a packet 0x{kind:02x} of {length} bytes")
 
@@ -216,7 +216,7 @@ class PacketReader:
         if qos:
             packet_id = buffer[after - 2] << 8 | buffer[after - 1]
             if qos == 6 or not packet_id:
-                raise MalformedError("a message of a quality of service that there is not")
+                raise MalformedError("a message with an invalid quality of service")
         return after, packet_id
 
     def _note_topic(self, raw: bytes) -> None:

@@ -90,4 +90,4 @@ def rosbase_presets() -> Iterable[PresetPlugin]:
 @hookimpl
 def rosbase_checks() -> Iterable[CheckPlugin]:
     """Register the check of the broker."""
-    yield CheckPlugin("mqtt", "the broker, and whether it lets us in", _check)
+    yield CheckPlugin("mqtt", "the broker: connection, login and subscription", _check)

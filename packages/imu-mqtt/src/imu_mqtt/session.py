@@ -150,8 +150,9 @@ class Session:
     def speaks_otherwise(self, why: str = "") -> RefusedError:
         """Return the message and the reason where the first packet is invalid."""
         return RefusedError(
-            f"{self._config.address} speaks no MQTT {self._config.version}{why and f': {why}'}",
-            "is it the port of a WebSocket (ws://), or of another version (mqtt_version)?",
+            f"{self._config.address} does not speak MQTT {self._config.version}"
+            f"{why and f': {why}'}",
+            "is it a WebSocket port (ws://), or does it speak another version (mqtt_version)?",
         )
 
     @property
@@ -167,7 +168,9 @@ class Session:
         except Exception as error:
             # paho trusts the broker: of a packet that is none comes an error of any class.
             why = printable(repr(error))
-            raise TransportError(f"{self._config.address} sends no MQTT: {why}") from error
+            raise TransportError(
+                f"{self._config.address} sends data that is not MQTT: {why}"
+            ) from error
 
     def _ask(self, kind: int, packet_id: int | None) -> bool:
         if packet_id is None:
@@ -184,7 +187,9 @@ class Session:
         # A broker that has just been started, or has too much to do, will have time soon.
         kind = TransportError if str(code) in _FOR_NOW else RefusedError
         why = _explained(code, properties)
-        self.refusal = kind(f"{self._config.address} refuses us{self._as_whom()}: {why}")
+        self.refusal = kind(
+            f"{self._config.address} refuses the connection{self._as_whom()}: {why}"
+        )
 
     def _on_answer(
         self, client: Any, data: Any, mid: int, codes: list[Any], properties: Any
@@ -199,8 +204,8 @@ class Session:
             self.end = f"{address} ended the connection: {_explained(code, properties)}"
         elif not self.is_accepted:
             # With or without a reset, as it happens: for a user it is the same.
-            hint = "" if address.is_secure else "; if it expects TLS, say mqtts:// or wss://"
-            self.end = f"{address} hung up before it answered{hint}"
+            hint = "" if address.is_secure else "; if it expects TLS, use mqtts:// or wss://"
+            self.end = f"{address} closed the connection before it answered{hint}"
         else:
             failure = self._socket.failure
             reason = words_of(failure) if failure else str(code)
@@ -250,4 +255,4 @@ def _explained(code: object, properties: object) -> str:
     words = str(getattr(properties, "ReasonString", ""))
     elsewhere = str(getattr(properties, "ServerReference", ""))
     text = f"{code} ({printable(words)})" if words else str(code)
-    return f"{text}; it refers us to {printable(elsewhere)}" if elsewhere else text
+    return f"{text}; it refers to {printable(elsewhere)}" if elsewhere else text

@@ -94,11 +94,12 @@ def _slow(path: str, outcome: Outcome) -> Iterator[Finding]:
         # Not an adapter with such a timer.
         return
     if latency_ms > _LONG_LATENCY_MS:
-        kept = "and does so for a reader, too" if outcome is Outcome.WARN else "until it is read"
+        kept = "also for a reader" if outcome is Outcome.WARN else "until it is read"
         yield Finding(
             outcome,
-            f"{path} hands over what arrives every {latency_ms} ms, {kept}",
-            f'echo 1 | sudo tee {timer}, or for good a udev rule with ATTR{{latency_timer}}="1"',
+            f"{path} delivers data only every {latency_ms} ms, {kept}",
+            f"echo 1 | sudo tee {timer}, or permanently:"
+            ' a udev rule with ATTR{latency_timer}="1"',
         )
 
 
@@ -123,12 +124,12 @@ def _nothing_named(path: str, others: list[str]) -> Finding:
         return Finding(
             Outcome.WARN,
             "this machine has no serial port",
-            "plug the device in; a container or a virtual machine must be given it, too",
+            "plug the device in; pass it to the container or virtual machine",
         )
     return Finding(
         Outcome.WARN,
-        f"{path}, which is read where no port is named, is not there",
-        f"name yours: -p device_path:={others[0]}",
+        f"{path}, the default port, is not there",
+        f"set yours: -p device_path:={others[0]}",
     )
 
 
@@ -142,19 +143,19 @@ def _opened(config: SerialConfig, ports: list[str]) -> Finding:
 
 
 def _advice_on(error: TransportError, ports: list[str]) -> str:
-    there = f"name one that is there: {', '.join(ports)}" if ports else "no port is there"
+    there = f"the ports here are {', '.join(ports)}" if ports else "there is no serial port here"
     match error:
         case DeviceNotFoundError():
-            return f"plug it in, and see what `dmesg` says of it; {there}"
+            return f"plug it in, and check `dmesg`; {there}"
         case DeviceBusyError():
-            return "end the other program, as root if you do not see it: `fuser -v` and the port"
+            return "end the other program; `sudo fuser -v` and the port show it"
         case NotADeviceError():
             return f"correct device_path and baudrate; {there}"
-    return "see what `dmesg` says of it; in a container, give it the device"
+    return "check `dmesg`; in a container, pass the device in"
 
 
 def _allowed(path: str) -> Finding:
-    return Finding(Outcome.OK, f"{path} is there, and this user may open it")
+    return Finding(Outcome.OK, f"{path} exists, and this user may open it")
 
 
 def _closed(path: str, outcome: Outcome) -> Finding | None:
@@ -169,7 +170,7 @@ def _closed(path: str, outcome: Outcome) -> Finding | None:
         return _forbidden(path, mode, outcome)
     if _is_line(path) and (holder := holder_of(path)):
         taker = KNOWN_TAKERS.get(holder.name)
-        advice = taker.remedy if taker else "end that program, or read another port"
+        advice = taker.remedy if taker else "end that program, or use another port"
         return Finding(outcome, f"{path} is in use by {holder}", advice)
     return None
 
@@ -179,11 +180,11 @@ def _forbidden(path: str, mode: int, outcome: Outcome) -> Finding:
     text = f"{user} may not open {path}, which belongs to the group {group}"
     is_for_group = mode & stat.S_IRGRP and mode & stat.S_IWGRP and group != "root"
     if not is_for_group:
-        advice = f"until it is unplugged: sudo chmod a+rw {path}; for good: a rule of udev"
+        advice = f"until it is unplugged: sudo chmod a+rw {path}; permanently: a udev rule"
     elif user in _members(path):
-        advice = f"{user} has come into that group meanwhile: log out, and in again"
+        advice = f"{user} was added to that group: log out and in again"
     else:
-        advice = f"sudo usermod -aG {group} {user}, then log out, and in again"
+        advice = f"sudo usermod -aG {group} {user}, then log out and in again"
     return Finding(outcome, text, advice)
 
 

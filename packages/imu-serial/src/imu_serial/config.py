@@ -36,13 +36,13 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     ParameterSpec(
         "dtr",
         LEAVE,
-        "state of the line DTR once the port is open; a change resets many boards",
+        "state of the DTR line once the port is open; a change resets many boards",
         choices=(LEAVE, ON, OFF),
     ),
     ParameterSpec(
         "rts",
         LEAVE,
-        "state of the line RTS once the port is open; with DTR it resets an ESP32",
+        "state of the RTS line once the port is open; with DTR it resets an ESP32",
         choices=(LEAVE, ON, OFF),
     ),
     ParameterSpec(

@@ -35,7 +35,7 @@ KNOWN_TAKERS = {
         'set USBAUTO="false" in /etc/default/gpsd, or uninstall it',
     ),
     "agetty": Taker(
-        "it waits there for somebody to log in",
+        "it offers a login on this port",
         "sudo systemctl disable --now serial-getty@ and the name of the port, such as ttyS0",
     ),
 }

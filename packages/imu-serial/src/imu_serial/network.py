@@ -113,7 +113,7 @@ class Dialer:
         link.reply()
         while client.rate is None:
             if not readable.poll(max(0.0, self._left_s(deadline_ns)) * 1000.0):
-                raise NoAnswerError(f"{address} does not answer as RFC 2217 asks for")
+                raise NoAnswerError(f"{address} does not answer as RFC 2217 requires")
             link.read()
         if client.rate != config.baudrate:
             raise NotADeviceError(
@@ -186,7 +186,7 @@ class Link:
         try:
             # A few bytes at a time, for which there is always room.
             if replies and self._socket.send(replies) < len(replies):
-                raise self._lost("it takes nothing")
+                raise self._lost("it accepts no data")
         except OSError as error:
             raise self._lost(error.strerror or str(error)) from error
 
@@ -267,7 +267,7 @@ def _unreachable(address: Address, error: OSError) -> TransportError:
         case ConnectionRefusedError():
             return DeviceNotFoundError(f"{address}: nothing listens there")
         case socket.gaierror():
-            return DeviceNotFoundError(f"{address}: the name of the host is not known")
+            return DeviceNotFoundError(f"{address}: unknown host name")
         case TimeoutError():
             return NoAnswerError(f"{address}: no answer")
     return DeviceNotFoundError(f"{address} cannot be reached: {error.strerror or error}")

@@ -151,7 +151,7 @@ class Port:
         if not set_lines(self._fd, config.dtr, config.rts):
             wishes = {"dtr": config.dtr, "rts": config.rts}
             named = " and ".join(name for name, wish in wishes.items() if wish != LEAVE)
-            self._missing_lines = f"{shown(self._path)} has no lines to set for {named}"
+            self._missing_lines = f"{shown(self._path)} has no modem lines to set for {named}"
         set_up(self._fd, config.baudrate)
         ask_for_low_latency(self._fd)
 

@@ -55,7 +55,7 @@ def _check_node(environment: Mapping[str, str]) -> Iterable[Finding]:
     there = ", ".join(_middlewares()) or "none"
     answer = _ask_child(environment)
     if answer.status == NO_SUCH_MIDDLEWARE:
-        advice = f"unset it, install it, or name one that is there: {there}"
+        advice = f"unset it, install it, or use one of {there}"
         yield Finding(Outcome.FAIL, no_such_middleware(named), advice)
     elif answer.status == NO_SHARED_MEMORY:
         yield Finding(Outcome.FAIL, memory_is_full(free_bytes()), _FREE_MEMORY)
@@ -81,7 +81,7 @@ def _advice(failure: str) -> str:
         return _FREE_MEMORY
     if date_fault(SystemClock().now_ns()):
         return "set the clock: sudo timedatectl set-ntp true, or sudo date -s 'YYYY-MM-DD HH:MM'"
-    return "look at the variables ROS_*, RMW_*, FASTRTPS_* and FASTDDS_* of the environment"
+    return "check the variables ROS_*, RMW_*, FASTRTPS_* and FASTDDS_* of the environment"
 
 
 def _check_domain() -> Finding:
@@ -95,13 +95,13 @@ def _check_domain() -> Finding:
     if clashing_ports(number):
         return Finding(
             Outcome.WARN,
-            f"the domain is {number}, whose ports another program may happen to have",
+            f"the domain is {number}, whose ports other programs may use",
             f"set ROS_DOMAIN_ID to {_SAFE}, on every machine",
         )
     if text.strip() != str(number):
         return Finding(
             Outcome.WARN,
-            f"ROS_DOMAIN_ID is {text!r}, which ROS reads as {number}, as C would",
+            f"ROS_DOMAIN_ID is {text!r}, which ROS reads as {number}, as in C",
             f"write {number}, if that is what you mean",
         )
     return Finding(Outcome.OK, f"the domain is {number}, as ROS_DOMAIN_ID says{_range()}")

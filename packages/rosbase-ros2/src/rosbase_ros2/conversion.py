@@ -144,7 +144,7 @@ class Conversions:
             return given
         if _is_ros(given):
             return self.derive(kind, given)
-        raise TypeError(f"{given!r} is neither a message class of ROS nor a Converter for this one")
+        raise TypeError(f"{given!r} is neither a ROS message class nor a Converter for this one")
 
     def _part(self, kind: Any, ros_kind: str, where: str) -> Converter | None:
         """Return a plugin's converter for the class of a field, where ROS has its own class."""

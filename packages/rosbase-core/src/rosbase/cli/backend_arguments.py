@@ -45,6 +45,6 @@ def check_taken(found: Mapping[str, str], backend: str) -> None:
     for word, name in found.items():
         if name != backend:
             raise ConfigurationError(
-                f"what follows {word} is for the backend {name}, and this is {backend}:"
+                f"arguments after {word} are for the backend {name}, but this is {backend}:"
                 f" add --backend {name}"
             )

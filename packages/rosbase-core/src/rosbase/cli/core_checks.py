@@ -34,7 +34,7 @@ def check_python() -> Iterable[Finding]:
         yield Finding(
             Outcome.WARN,
             f"rosbase is not tested on {system or 'this system'}",
-            "use Linux where something does not work: serial ports and child processes need POSIX",
+            "use Linux if something does not work: serial ports and child processes need POSIX",
         )
 
 
@@ -46,7 +46,7 @@ def check_clock(clock: Clock) -> Iterable[Finding]:
         return
     date = f"{datetime.fromtimestamp(now_ns / 1e9, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
     if now_ns < _EARLIEST_S * 1e9:
-        text = f"the date of this machine is {date}, which is long ago: nobody has set it"
+        text = f"the date of this machine is {date}: its clock was never set"
         yield Finding(Outcome.WARN, text, _SET_CLOCK)
     else:
         yield Finding(Outcome.OK, f"the date of this machine is {date}")
@@ -72,10 +72,12 @@ def _finding_of(record: PluginRecord) -> Finding:
             return Finding(Outcome.OK, text)
         case "active":
             return Finding(
-                Outcome.WARN, text, "has its module a hook, marked with @hookimpl, that yields?"
+                Outcome.WARN,
+                text,
+                "does its module have a hook that is marked with @hookimpl and yields?",
             )
         case "blocked":
-            return Finding(Outcome.SKIP, text, f"take it out of {BLOCK_VARIABLE} to have it back")
+            return Finding(Outcome.SKIP, text, f"take it out of {BLOCK_VARIABLE} to use it again")
     name = record.distribution
     repair = f"pip install --force-reinstall {name}"
     if name in OURS.values():

@@ -195,7 +195,7 @@ class DemoManager(ReaderManager):
             f"sent {sent}",
             f"lost {lost}",
             *counts,
-            "Try next: rosbase simulate (leaves a simulated device standing, for you to read)",
+            "Try next: rosbase simulate (runs a simulated device for you to read)",
         ]
 
     def _verdict(self, sent: int) -> str:

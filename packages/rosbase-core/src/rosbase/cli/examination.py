@@ -66,6 +66,6 @@ class _Run:
         return Finding(
             Outcome.FAIL,
             text,
-            f"tell those who make {owner.distribution} {owner.version};"
+            f"report it to the authors of {owner.distribution} {owner.version};"
             f" {BLOCK_VARIABLE}={owner.full_name} leaves it out",
         )

@@ -13,8 +13,8 @@ __all__ = ["rosbase_checks", "rosbase_commands"]
 _COMMANDS = (
     ("imu", "read an IMU and publish what it measures", "rosbase.cli.imu"),
     ("demo", "read a simulated IMU over a real link", "rosbase.cli.demo"),
-    ("simulate", "leave a simulated IMU standing, to read it", "rosbase.cli.simulate"),
-    ("doctor", "find what is wrong here, and say what to do", "rosbase.cli.doctor"),
+    ("simulate", "run a simulated IMU for you to read", "rosbase.cli.simulate"),
+    ("doctor", "find problems on this machine, and say what to do", "rosbase.cli.doctor"),
     ("plugins", "list the installed plugins", "rosbase.cli.list_plugins"),
 )
 
@@ -59,4 +59,4 @@ def rosbase_checks() -> Iterable[CheckPlugin]:
     """Return the core's own checks."""
     yield CheckPlugin("python", "the interpreter and the platform", _check_python)
     yield CheckPlugin("clock", "the date of this machine", _check_clock)
-    yield CheckPlugin("plugins", "what is installed, and whether it works", _check_plugins)
+    yield CheckPlugin("plugins", "the installed plugins, and whether they work", _check_plugins)

@@ -73,7 +73,7 @@ def _run_command(arguments: list[str]) -> int:
         print(f"rosbase-core {version('rosbase-core')}")
         return 0
     if parsed.command is None:
-        parser.error(f"say what to do: {', '.join(sorted(commands))}; --help says more")
+        parser.error(f"give a command: {', '.join(sorted(commands))}; see --help")
     check_taken(backend_arguments, backend_name(getattr(parsed, "backend", None)))
     return commands[parsed.command].run(parsed)
 

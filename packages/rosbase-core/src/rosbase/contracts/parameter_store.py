@@ -162,7 +162,7 @@ def name_undeclared(
     known = set(declared)
     for name in sorted(set(given) - known):
         hint = did_you_mean(name, known)
-        warn(f"parameter {name} is set from outside, and this node does not have it{hint}")
+        warn(f"parameter {name} is set from outside, but this node does not declare it{hint}")
 
 
 def refused(reason: str) -> SetParametersResult:

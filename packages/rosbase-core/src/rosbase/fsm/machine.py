@@ -77,7 +77,7 @@ class Machine:
         self._busy = False
         unreachable = self._table.unreachable()
         if holder is None and unreachable:
-            raise ValueError(f"no way leads from {initial!r} to {', '.join(unreachable)}")
+            raise ValueError(f"no transitions lead from {initial!r} to {', '.join(unreachable)}")
 
     def __repr__(self) -> str:
         return (

@@ -38,7 +38,7 @@ def _refusal(name: str, state: State) -> str:
     if state is State.FINALIZED:
         return f"parameter {name} cannot be set any more: the reader is finalized"
     if name not in _BETWEEN_RUNS and not name.startswith(_MAPPING):
-        return f"parameter {name} counts when the reader is configured: set it while unconfigured"
+        return f"parameter {name} takes effect at the next configure: set it while unconfigured"
     if state is State.INACTIVE:
         return ""
     return f"parameter {name} cannot be set while active: set it while inactive or unconfigured"

@@ -132,7 +132,7 @@ class Pipeline:
     def _name_missing(self, sample: Sample, frame: bytes) -> None:
         for quantity in self._never_there.add(sample):
             why = self._explanations.explain(Reject("missing_group", quantity), frame).text
-            self._logger.warning(f"{quantity} is asked for, and no sample has had it: {why}")
+            self._logger.warning(f"{quantity} is mapped, but no sample has had it: {why}")
 
     def _drop(self, reject: Reject, frame: bytes) -> None:
         self._counts.add(reject.reason)

@@ -198,7 +198,7 @@ def _clashes(registry: PluginRegistry) -> dict[str, str]:
         for spec in registry.transports[name].parameters:
             known, owner = owners.setdefault(spec.name, (spec, f"transport '{name}'"))
             if known != spec:
-                clashes[name] = f"its parameter {spec.name} is another than that of {owner}"
+                clashes[name] = f"its parameter {spec.name} differs from that of {owner}"
     if clashes:
         registry.check_strictly(_failed_by(clashes, registry))
     return clashes
@@ -321,7 +321,7 @@ def _mapping(preset: PresetPlugin, get: Callable[[str], Any]) -> ImuMapping:
     given = {name: get(name) for name in _PRESETTABLE if get(name) not in (AS_PRESET, [AS_PRESET])}
     for name, value in given.items():
         if isinstance(value, list) and AS_PRESET in value:
-            raise ParameterError(f"parameter {name}: {AS_PRESET} stands alone or not at all")
+            raise ParameterError(f"parameter {name}: {AS_PRESET} must be the only element")
         if name.endswith(".paths"):
             values.pop(name.replace(".paths", ".unit"), None)
             values.pop(name.replace(".paths", ".order"), None)

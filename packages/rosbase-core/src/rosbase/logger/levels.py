@@ -43,7 +43,7 @@ def message_level(level: str | int) -> int:
     if number == logging.NOTSET or number not in _known().values():
         raise ValueError(
             f"{level!r} is no log level ({', '.join(LEVELS).lower()}); "
-            "this method fills no values in, so write them into the message: f'... {value}'"
+            "this method formats no arguments, so use an f-string: f'... {value}'"
         )
     return number
 

@@ -375,7 +375,7 @@ class BaseManager(Constructed):
                 # Asked for before it was known whom else this concerns.
                 processes.stopping_soon()
         elif processes:
-            raise TypeError(f"{processes!r} is not what register_multiprocess_nodes gave")
+            raise TypeError(f"{processes!r} is not a return value of register_multiprocess_nodes")
 
     def _switch_state(self) -> None:
         switch = self.get_state_switch() if self.get_state_switch is not None else None

@@ -30,7 +30,7 @@ _NUMBER = re.compile(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", re.ASCII)
 _WORDS: dict[str, Scalar] = {"true": True, "false": False, "null": None}
 _NEARLY_WORDS = {"None": "null"}
 _NEARLY_NUMBER = re.compile(r"[-+]?(?=\.?\d)(?P<whole>\d*)\.?\d*([eE][-+]?\d+)?", re.ASCII)
-_QUOTE = 'write keys with other signs in double quotes, such as "accel.x"'
+_QUOTE = 'write keys with other characters in double quotes, such as "accel.x"'
 
 
 def parse_path(text: str, *, numeric_strings: bool = False) -> Path:

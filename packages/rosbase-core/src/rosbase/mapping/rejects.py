@@ -19,7 +19,7 @@ PAYLOAD_REASONS: dict[str, str] = {
     "time_unusable": "the device's time is no date; the sample is stamped on arrival",
     "too_deep": "nested too deeply",
     "uneven": "lists of different length in one message",
-    "wrong_type": "something else where a number is due",
+    "wrong_type": "something other than a number in a number's place",
 }
 """The reasons of the mapping language, each with its meaning or a hint."""
 

@@ -30,10 +30,10 @@ class ParameterKind(Enum):
     DOUBLE = "a number"
     STRING = "text"
     BYTE_ARRAY = "bytes such as [0, 255]"
-    BOOL_ARRAY = "truths such as [true, false]"
+    BOOL_ARRAY = "booleans such as [true, false]"
     INTEGER_ARRAY = "whole numbers such as [1, 2]"
     DOUBLE_ARRAY = "numbers such as [1.0, 2.0]"
-    STRING_ARRAY = "texts such as [a, b]"
+    STRING_ARRAY = "strings such as [a, b]"
 
 
 @frozen

@@ -99,11 +99,11 @@ def compile_checksum(kind: str, separator: str = "*") -> Verify:
         if not found or len(tail) > _LONGEST_TAIL:
             return Reject("no_checksum")
         if len(tail) != digits or not _HEX.fullmatch(tail):
-            return Reject("bad_checksum", f"{digits} hexadecimal digits are due after {separator}")
+            return Reject("bad_checksum", f"{digits} hexadecimal digits must follow {separator}")
         content = content.removeprefix(b"$")
         due = compute(content)
         if due != int(tail, 16):
-            return Reject("bad_checksum", f"{kind} is {due:0{digits}X}")
+            return Reject("bad_checksum", f"{kind} of the line is {due:0{digits}X}")
         return content
 
     return verify

@@ -52,7 +52,7 @@ class DatePace:
         if self._in_a_row >= _IN_A_ROW and not self.finding:
             self.finding = (
                 "the device's dates repeat: its clock is coarser than the rate of its samples."
-                " Stamps between two dates are of arrival"
+                " Samples between two dates are stamped on arrival"
             )
         elif not self._in_a_row:
             self.finding = ""

@@ -25,4 +25,6 @@ class Undated:
             return
         self._in_a_row += 1
         if self._in_a_row >= _IN_A_ROW:
-            self.finding = f"the device's time is unusable, stamps are of arrival: {fault.detail}"
+            self.finding = (
+                f"the device's time is unusable, samples are stamped on arrival: {fault.detail}"
+            )
