@@ -122,6 +122,10 @@ Arm().start_spin_standalone()
 )
 
 
+class UndiscoveredError(Exception):
+    """Two nodes have not found each other in time. Neither says so, and a new pair does."""
+
+
 class Asker:
     """A plain rclpy node that puts questions to a node in another process."""
 
@@ -149,7 +153,17 @@ class Asker:
             self.parameter_events.append(event)
 
     def connect(self) -> None:
-        """Wait until both sides have found each other, or the node has ended."""
+        """Wait until both sides have found each other, or the node has ended.
+
+        Raises:
+            UndiscoveredError: They have not, as happens now and then on a busy machine.
+        """
+        try:
+            self._connect()
+        except AssertionError as error:
+            raise UndiscoveredError(str(error)) from error
+
+    def _connect(self) -> None:
         client = self.node.create_client(GetState, f"{self.target}/get_state")
         self.await_true(lambda: self.has_ended or client.service_is_ready(), "a service")
         for _ in range(ATTEMPTS):
