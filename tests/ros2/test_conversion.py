@@ -314,7 +314,7 @@ def test_a_plugin_is_asked_once_and_only_about_what_is_not_known() -> None:
 
 @pytest.mark.parametrize("given", [None, Frame("x"), Frame, FRAME])
 def test_what_is_neither_a_ros_class_nor_a_converter_for_the_class_is_refused(given: Any) -> None:
-    with pytest.raises(TypeError, match="neither a message class of ROS nor a Converter"):
+    with pytest.raises(TypeError, match="neither a ROS message class nor a Converter"):
         knowing({Stamped: given}).of(Stamped)
 
 

@@ -88,7 +88,7 @@ def test_a_domain_that_c_reads_otherwise_is_told_as_ros_reads_it(
     monkeypatch.setattr(check, "_ask_child", lambda environment: check._Answer())
     monkeypatch.setenv("ROS_DOMAIN_ID", "010")
     domain = findings()[-1]
-    assert domain.text == "ROS_DOMAIN_ID is '010', which ROS reads as 8, as C would"
+    assert domain.text == "ROS_DOMAIN_ID is '010', which ROS reads as 8, as in C"
 
 
 def test_a_date_at_which_nothing_starts_comes_with_what_to_do(
