@@ -13,6 +13,11 @@ from rosbase_ros2.backend import Ros2Backend
 from support.ros import Open, isolate, ros_context
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begins with the longest test: at the end, one worker would be busy with it alone."""
+    items.sort(key=lambda item: item.path.name != "test_twins.py")
+
+
 @pytest.fixture(scope="session", autouse=True)
 def warm_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Takes what rclpy takes once for the process, so that no test seems to leak it.

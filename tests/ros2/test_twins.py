@@ -49,7 +49,7 @@ def interview(context: Any, folder: Path, twin: str) -> dict[str, str]:
 
 
 @pytest.mark.once
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_answers_are_those_of_a_node_of_rclpy_but_for_what_is_documented(
     context: Any, tmp_path: Path
 ) -> None:
