@@ -33,7 +33,7 @@ class ParameterKind(Enum):
     BOOL_ARRAY = "booleans such as [true, false]"
     INTEGER_ARRAY = "whole numbers such as [1, 2]"
     DOUBLE_ARRAY = "numbers such as [1.0, 2.0]"
-    STRING_ARRAY = "strings such as [a, b]"
+    STRING_ARRAY = "texts such as [a, b]"
 
 
 @frozen
