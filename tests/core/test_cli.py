@@ -165,7 +165,7 @@ def test_a_plugin_that_contradicts_the_reader_is_listed_and_harms_nobody(tmp_pat
     listed = run("plugins", path=tmp_path)
     (line,) = [line for line in listed.stdout.splitlines() if line.startswith("clash")]
     assert " failed " in line
-    assert "its parameter frame_id is another than that of the reader" in line
+    assert "its parameter frame_id differs from that of the reader" in line
     assert run("imu", "--list-parameters", path=tmp_path).returncode == 0
     assert run("--help", path=tmp_path).returncode == 0
     for arguments, complaint in (

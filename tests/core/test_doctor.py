@@ -87,7 +87,7 @@ def test_a_check_that_is_broken_is_a_finding_and_no_traceback(
     assert line.startswith("fail  broken: ")
     assert said in line
     assert advice.startswith(
-        "      tell those who make acme 1.2; ROSBASE_BLOCK_PLUGINS=acme:broken"
+        "      report it to the authors of acme 1.2; ROSBASE_BLOCK_PLUGINS=acme:broken"
     )
 
 

@@ -40,7 +40,7 @@ def test_a_row_that_can_only_be_a_slip_is_refused(arguments: Any, message: str) 
         ("a", [Transition("a", "b")], {"on_enter": {"x": print}}, "on_enter has the state 'x'"),
         ("a", [Transition("a", "b")], {"on_exit": {"x": print}}, "on_exit has the state 'x'"),
         ("a", [Transition("a", "b")], {"during": {"x": print}}, "during has the state 'x'"),
-        ("b", [Transition("a", "b")], {}, "no way leads from 'b' to a$"),
+        ("b", [Transition("a", "b")], {}, "no transitions lead from 'b' to a$"),
         (
             "a",
             [Transition("a", "b"), Transition("a", "c", when=bool)],
@@ -71,7 +71,7 @@ def test_a_table_that_can_only_be_a_slip_is_refused_in_one_line(
 
 def test_a_state_that_only_others_set_needs_a_holder() -> None:
     rows = [Transition("a", "b"), Transition("c", "a")]
-    with pytest.raises(ValueError, match="no way leads from 'a' to c"):
+    with pytest.raises(ValueError, match="no transitions lead from 'a' to c"):
         Machine("a", rows)
     assert Machine("a", rows, holder=BaseHandlers()).states == ("a", "b", "c")
 

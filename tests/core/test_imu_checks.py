@@ -233,7 +233,7 @@ def test_a_date_that_is_never_usable_is_said(device: Callable[..., Device]) -> N
 def test_dates_that_are_all_absurd_are_said(device: Callable[..., Device]) -> None:
     imu = device(time_source="device")
     assert imu.send(lambda: imu.at_rest(at=2**32 - 1), 5.0) == 100
-    assert "stamps are of arrival: dated 2106-02-07 06:28:15 UTC" in health_of(imu)
+    assert "samples are stamped on arrival: dated 2106-02-07 06:28:15 UTC" in health_of(imu)
     assert imu.rig.reader.counts.time_unusable == 100
 
 

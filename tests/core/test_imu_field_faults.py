@@ -605,7 +605,7 @@ def test_f_a_quantity_that_is_asked_for_and_never_there_is_named_once(
     for number in range(200):
         key = "gyr" if comes_late and number > 20 else "gyro"
         rig.send({"acc": [0.1, number / 100, 9.8], key: [0, 0, 0.1]}, (number + 1) * 10**7)
-    said = [text for text in caplog.messages if "is asked for, and no sample has had it" in text]
+    said = [text for text in caplog.messages if "is mapped, but no sample has had it" in text]
     assert said == (
         []
         if comes_late

@@ -335,7 +335,7 @@ def test_frame_errors_of_the_transport_count_as_rejected(rigs: Callable[..., Rig
         (
             {"mapping.orientation.paths": ["<preset>", "b", "c", "d"]},
             ParameterError,
-            "stands alone",
+            "must be the only element",
         ),
         ({"preset": "mpu6050", "time_source": "device"}, MappingError, "time.paths is empty"),
         (
