@@ -130,7 +130,7 @@ def test_a_status_has_one_topic(topic: str) -> None:
 
 @pytest.mark.parametrize("topic", ["$SYS/state", "$share/group/state"])
 def test_a_status_is_not_sent_to_a_topic_of_the_brokers_own(topic: str) -> None:
-    assert "takes no $ in front" in complaint(status_topic=topic)
+    assert "must not start with $" in complaint(status_topic=topic)
 
 
 @given(st.text())

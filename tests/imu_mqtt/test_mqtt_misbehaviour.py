@@ -155,4 +155,4 @@ def test_m16_what_a_broker_says_at_the_end_is_quoted_as_one_line(
     assert (
         r"ended the connection: Use another server (\x1b[2J\n[INFO] [reader]: all is well" in line
     )
-    assert "it refers us to mqtt" in line
+    assert "it refers to mqtt" in line

@@ -161,7 +161,7 @@ def test_the_first_packet_is_the_answer_to_our_greeting(first: bytes) -> None:
     reader = PacketReader(is_5=False)
     reader.room()[: len(first)] = first
     reader.add(len(first))
-    with pytest.raises(MalformedError, match="before the answer"):
+    with pytest.raises(MalformedError, match="before CONNACK"):
         reader.take()
 
 

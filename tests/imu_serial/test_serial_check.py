@@ -183,7 +183,7 @@ def test_the_missing_group_is_named_with_the_command_that_adds_it(rig: SerialRig
     me, ((outcome, text, advice),) = as_nobody(port, named=port)
     assert outcome == "fail"
     assert text == f"{me} may not open {port}, which belongs to the group {group}"
-    assert advice == f"sudo usermod -aG {group} {me}, then log out, and in again"
+    assert advice == f"sudo usermod -aG {group} {me}, then log out and in again"
 
 
 def test_a_forbidden_port_that_nobody_has_named_is_a_warning(rig: SerialRig) -> None:

@@ -281,7 +281,7 @@ def test_the_plug_of_the_demo_over_mqtt_is_its_broker() -> None:
 @pytest.mark.parametrize(
     ("given", "complaint"),
     [
-        ("server_address:=http://x", "server_address is one of tcp://"),
+        ("server_address:=http://x", "server_address must be one of tcp://"),
         ("server_address:=tcp://me:hush@x", "server_address must not contain a user or a password"),
         ("mqtt_topic:=a+/b", "+ stands for a whole level"),
         ("status_topic:=esp32/imu", "status_topic matches mqtt_topic"),
