@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from rosbase.contracts.backend import (
         Backend,
         BackendOptions,
-        Publisher,
-        Subscription,
-        Timer,
         timer_period_ns,
     )
     from rosbase.contracts.checks import (
@@ -34,6 +31,7 @@ if TYPE_CHECKING:
         check_node_name,
         resolve_topic,
     )
+    from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
     from rosbase.contracts.parameter_store import (
         OnSetParameters,
         ParameterRules,
@@ -242,6 +240,7 @@ __all__ = [
     "LogOptions",
     "ManagedNode",
     "MappingError",
+    "NodeConnection",
     "NotADeviceError",
     "NotInstalledError",
     "OnFrame",
@@ -364,6 +363,7 @@ _HOMES = {
     "LogOptions": "rosbase.logger",
     "ManagedNode": "rosbase.lifecycle",
     "MappingError": "rosbase.errors",
+    "NodeConnection": "rosbase.contracts.node_connection",
     "NotADeviceError": "rosbase.errors",
     "NotInstalledError": "rosbase.errors",
     "OnFrame": "rosbase.contracts.transport",
@@ -381,7 +381,7 @@ _HOMES = {
     "PluginError": "rosbase.errors",
     "PluginRegistry": "rosbase.plugins",
     "PresetPlugin": "rosbase.plugins",
-    "Publisher": "rosbase.contracts.backend",
+    "Publisher": "rosbase.contracts.node_connection",
     "QoSProfile": "rosbase.qos",
     "Quantity": "rosbase.mapping",
     "QueuedSubscription": "rosbase.runtime.queued_subscription",
@@ -397,11 +397,11 @@ _HOMES = {
     "SimulatedDevice": "rosbase.contracts.transport",
     "Stamper": "rosbase.contracts.stamper",
     "State": "rosbase.lifecycle",
-    "Subscription": "rosbase.contracts.backend",
+    "Subscription": "rosbase.contracts.node_connection",
     "SystemClock": "rosbase.clock",
     "Tally": "rosbase.contracts.transport",
     "TimeMapping": "rosbase.mapping",
-    "Timer": "rosbase.contracts.backend",
+    "Timer": "rosbase.contracts.node_connection",
     "TransitionEvent": "rosbase.lifecycle",
     "TransitionNotAvailableError": "rosbase.errors",
     "Transport": "rosbase.contracts.transport",

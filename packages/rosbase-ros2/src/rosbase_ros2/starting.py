@@ -1,7 +1,7 @@
 """Start an rclpy node, or explain in one line why ROS does not start."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import rclpy
@@ -9,7 +9,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from rosbase import BackendError, BackendOptions, SystemClock, date_fault, one_line
+from rosbase import BackendError, BackendOptions, ParameterValue, SystemClock, date_fault, one_line
 from rosbase_ros2.machine import (
     date_refusal,
     domain_fault,
@@ -19,7 +19,7 @@ from rosbase_ros2.machine import (
 )
 from rosbase_ros2.written import RosArguments
 
-__all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node"]
+__all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node", "start_other_node"]
 
 
 def prepare_machine() -> str:
@@ -60,7 +60,7 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
         ]
         name = options.node_name
         # What the command line calls the manager would else be the name of its children too.
-        own = ["--ros-args", "-r", f"__node:={name}"] if options.is_child else None
+        own = _named(name) if options.is_child else None
         return rclpy.create_node(name, context=context, cli_args=own, parameter_overrides=overrides)
     except Exception as error:
         context.try_shutdown()
@@ -71,6 +71,30 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
         elif fault := date_fault(SystemClock().now_ns()):
             reason = f"{fault} ({reason})"
         raise _does_not_start(reason) from error
+
+
+def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterValue]) -> Any:
+    """Return a new rclpy node beside the first, in the same context and namespace.
+
+    Args:
+        context: The rclpy context.
+        name: Its name; the command line names the first node only.
+        overrides: Values that override the defaults of its parameters.
+
+    Raises:
+        BackendError: ROS refuses the name.
+    """
+    given = [rclpy.Parameter(key, value=value) for key, value in overrides.items()]
+    try:
+        return rclpy.create_node(
+            name, context=context, cli_args=_named(name), parameter_overrides=given
+        )
+    except Exception as error:
+        raise BackendError(f"node {name!r} cannot be created: {one_line(str(error))}") from error
+
+
+def _named(name: str) -> list[str]:
+    return ["--ros-args", "-r", f"__node:={name}"]
 
 
 def ros_arguments(command_line: Iterable[str]) -> list[str]:

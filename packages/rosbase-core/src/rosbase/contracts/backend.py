@@ -5,8 +5,8 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `add_on_set_parameters_callback`, `close`.
 
 May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
-`log_name`, `has_console_log`, `begin_run`, `end_run`, `expose_lifecycle`, `imu_sender`,
-`create_timer`, `destroy_timer`.
+`log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,
+`imu_sender`, `create_timer`, `destroy_timer`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
@@ -51,90 +51,20 @@ and a backend may accept its own profiles too. A backend keeps each policy as fo
 Error messages are one line that names the topic, the parameter or the value.
 """
 
-import logging
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, TypeVar
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
 
 from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
-from rosbase.contracts.imu_sender import ImuSender, message_sender
 from rosbase.contracts.names import check_node_name
-from rosbase.contracts.parameter_store import OnSetParameters
-from rosbase.lifecycle import ManagedNode
-from rosbase.messages import Imu
-from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
-from rosbase.qos import QoSProfile
+from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
+from rosbase.contracts.node_view import NodeView
+from rosbase.parameters import ParameterValue
 from rosbase.runtime.executor import Executor, ExecutorTimer
 
 __all__ = ["Backend", "BackendOptions", "Publisher", "Subscription", "Timer", "timer_period_ns"]
-
-MessageT = TypeVar("MessageT")
-
-
-class Publisher(Protocol):
-    """A publisher: sends messages to a topic."""
-
-    @property
-    def topic(self) -> str:
-        """Full name of the topic, such as `/imu/data`."""
-        ...
-
-    def publish(self, message: Any) -> object:
-        """Hand the message to every subscription, without waiting for them.
-
-        Call it from any thread.
-
-        Nothing is sent once the publisher has ended.
-
-        Returns:
-            False if the backend did not take the message; the log says why. DDS, for example,
-            refuses some dates of the machine. No exception is raised, because no program can fix
-            it.
-
-        Raises:
-            TypeError: The message is not of the topic's type, or a field has a value of another.
-            ValueError: A value does not fit into its field in the backend.
-        """
-        ...
-
-
-class Subscription(Protocol):
-    """A subscription: receives the messages of a topic."""
-
-    @property
-    def topic(self) -> str:
-        """Full name of the topic."""
-        ...
-
-    @property
-    def dropped(self) -> int:
-        """Number of messages lost because the callback was slower than the publisher.
-
-        Messages lost before they reached the backend are not counted.
-        """
-        ...
-
-
-class Timer(Protocol):
-    """A timer: calls a function periodically.
-
-    Its methods have rclpy's names and work from any thread.
-    """
-
-    def cancel(self) -> None:
-        """Stop the timer, until `reset`."""
-        ...
-
-    def reset(self) -> None:
-        """Restart the timer: the next call is one period from now. Ignored once it is destroyed."""
-        ...
-
-    def is_canceled(self) -> bool:
-        """Return whether the timer is stopped."""
-        ...
 
 
 @frozen
@@ -154,8 +84,11 @@ class BackendOptions:
     """
 
 
-class Backend(ABC):
-    """A connection to the outside world, for one manager or one standalone node."""
+class Backend(NodeConnection):
+    """A connection to the outside world, for one manager or one standalone node.
+
+    It is the connection of their own node, and opens those of the other nodes of a manager.
+    """
 
     delivers_in_process = False
     """Whether messages reach this process's own subscriptions without leaving it.
@@ -171,14 +104,7 @@ class Backend(ABC):
         """
         check_node_name(node_name)
         self.node_name = node_name
-        """Name of the node as other programs see it, with its namespace in front if there is one.
-        """
         self.clock = clock
-        """Clock for stamps.
-
-        Its date may come from the backend; its monotonic time is always that of
-        `executor.clock`.
-        """
         self.executor = Executor(clock)
         """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
@@ -195,75 +121,6 @@ class Backend(ABC):
         """Whether deadlines follow a test's clock instead of this machine's."""
 
     @abstractmethod
-    def create_publisher(
-        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
-    ) -> Publisher:
-        """Create a publisher that offers the given profile.
-
-        Raises:
-            BackendError: The topic has another type, the name or the profile is invalid, or the
-                backend is closed.
-        """
-
-    @abstractmethod
-    def create_subscription(
-        self,
-        msg_type: type[MessageT],
-        topic: str,
-        callback: Callable[[MessageT], object],
-        qos_profile: int | QoSProfile,
-    ) -> Subscription:
-        """Create a subscription that asks for the given profile.
-
-        Raises:
-            BackendError: The topic has another type, the name or the profile is invalid, or the
-                backend is closed.
-        """
-
-    @abstractmethod
-    def destroy_publisher(self, publisher: Publisher) -> None:
-        """Destroy a publisher of this backend; sent messages still arrive.
-
-        Do nothing if it has ended.
-        """
-
-    @abstractmethod
-    def destroy_subscription(self, subscription: Subscription) -> None:
-        """Destroy a subscription: its callback is not called again. Do nothing if it has ended."""
-
-    @abstractmethod
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
-        """Declare a parameter, with its override if there is one, else its default.
-
-        The value is of the spec's kind: 5 for a number is 5.0. A refused parameter stays
-        undeclared.
-
-        Raises:
-            ParameterError: It is declared already, or the override is not a valid value.
-        """
-
-    @abstractmethod
-    def get_parameter(self, name: str) -> Parameter:
-        """Return the parameter with its current value.
-
-        Values set from outside count, unless they are invalid.
-
-        Raises:
-            ParameterError: It has not been declared.
-        """
-
-    @abstractmethod
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Set all parameters, or none: one that is undeclared, read-only or wrong is refused.
-
-        Each keeps its declared type. Call it on the spinning thread.
-        """
-
-    @abstractmethod
-    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` on the spinning thread before parameters are set, from any source."""
-
-    @abstractmethod
     def close(self) -> None:
         """Close everything that was created, and end every thread of the backend.
 
@@ -273,28 +130,7 @@ class Backend(ABC):
 
     # May implement.
 
-    log_handler: logging.Handler | None = None
-    """Handler for every record of the backend's manager or standalone node, beside the console.
-
-    It is called from any thread. If the application has set up no logging, its level is the
-    minimum for both. The message is one line of printable characters, with a traceback
-    indented below it. The handler must never raise, even after `close`. Set it before the
-    constructor returns.
-    """
-
-    log_name: str | None = None
-    """Name of the logger of the backend's manager or standalone node, such as `robot.left`.
-
-    None stands for the name of the role. Set it before the constructor returns.
-    """
-
-    has_console_log: bool = True
-    """Whether records go to the console if the application has set up no logging.
-
-    Set it before the constructor returns.
-    """
-
-    def begin_run(self, request_stop: Callable[[], object]) -> None:  # noqa: B027 - as below
+    def begin_run(self, request_stop: Callable[[], object]) -> None:
         """Note that a manager or standalone node begins to spin.
 
         Args:
@@ -302,7 +138,7 @@ class Backend(ABC):
                 any thread.
         """
 
-    def end_run(self) -> None:  # noqa: B027 - as below
+    def end_run(self) -> None:
         """End whatever else keeps the program running on the same middleware.
 
         Called when a manager or standalone node ends: before its clean-up if it was
@@ -310,39 +146,28 @@ class Backend(ABC):
         signal ends its constructor.
         """
 
-    def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
-        """Let other programs see and drive the lifecycle of a node of this backend.
-
-        Called once for each node, when it is built and unconfigured. A backend that can
-        show only one shows the first, and logs a warning for each of the others.
-        """
-
-    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
-        """Create a sender of samples that differ from `template` only in stamp and numbers.
-
-        Override it in a backend that can send samples without building a message for each;
-        the received messages are the same. The sender may be called from any thread, by
-        one at a time.
-        """
-        return message_sender(publisher.publish, template)
-
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """Create a timer with absolute deadlines; missed calls are skipped, not caught up.
-
-        The first call is one period from now. Deadlines are on the monotonic clock, unless
-        the backend has a time of its own that timers should follow, such as simulated
-        time.
-
-        Raises:
-            ValueError: The period is not a positive, finite number of seconds.
-            BackendError: The backend is closed.
-        """
+        """Create a timer with absolute deadlines; missed calls are skipped, not caught up."""
         return self.executor.create_timer(timer_period_ns(period_s), callback)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer of this backend. Do nothing if it has ended."""
         if isinstance(timer, ExecutorTimer):
             timer.destroy()
+
+    def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
+        """Open the connection of a node that the manager registers under that name.
+
+        By default the node shares this connection, and its parameters have its name in front,
+        such as `camera.fps`. A lifecycle node has also a log and private topics (`~/image`) of
+        its own name. A backend that other programs see may override it, and show them each
+        lifecycle node as a node of its own. `close` closes the connections of all nodes.
+
+        Raises:
+            BackendError: ROS would refuse the name for a lifecycle node, or the backend is
+                closed.
+        """
+        return NodeView(self, name, is_lifecycle=is_lifecycle)
 
 
 def timer_period_ns(period_s: float) -> int:

@@ -161,7 +161,9 @@ def name_undeclared(
     """
     known = set(declared)
     for name in sorted(set(given) - known):
-        hint = did_you_mean(name, known)
+        # A node of a manager has its name in front of its parameters.
+        longer = sorted(one for one in known if one.endswith(f".{name}"))
+        hint = f"; did you mean {longer[0]}?" if longer else did_you_mean(name, known)
         warn(f"parameter {name} is set from outside, but this node does not declare it{hint}")
 
 

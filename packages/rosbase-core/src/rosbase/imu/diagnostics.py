@@ -4,13 +4,15 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from rosbase.clock import Clock
-from rosbase.contracts.backend import Backend, timer_period_ns
+from rosbase.contracts.backend import timer_period_ns
+from rosbase.contracts.node_connection import NodeConnection
 from rosbase.contracts.transport import TransportHealth
 from rosbase.imu.counts import CountsSnapshot
 from rosbase.imu.health import Health
 from rosbase.imu.settings import ReaderSettings
 from rosbase.lifecycle import CallbackReturn, State, TransitionEvent
 from rosbase.messages import DiagnosticArray, DiagnosticStatus, Header, KeyValue
+from rosbase.runtime.executor import Executor
 from rosbase.text.printable import MOST_PROSE, printable
 
 __all__ = ["DIAGNOSTICS_TOPIC", "Diagnostics"]
@@ -50,17 +52,23 @@ class Diagnostics:
     the reader is unconfigured.
     """
 
-    def __init__(self, reader: _Reader, backend: Backend) -> None:
-        """Start publishing."""
+    def __init__(self, reader: _Reader, node: NodeConnection, executor: Executor) -> None:
+        """Start publishing.
+
+        Args:
+            reader: The reader.
+            node: Its connection.
+            executor: Calls it once a second, on the clock of the machine.
+        """
         self._reader = reader
-        self._clock: Clock = backend.clock
-        self._name = f"{backend.node_name}: IMU"
+        self._clock: Clock = node.clock
+        self._name = f"{node.node_name}: IMU"
         self._failure = ""
         self._published = self._rejected = 0
         self._reported_ns = self._clock.monotonic_ns()
-        self._publish = backend.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, _DEPTH).publish
-        # On the clock of the machine: they go on while a simulation stands still.
-        backend.executor.create_timer(timer_period_ns(_PERIOD_S), self._report)
+        self._publish = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, _DEPTH).publish
+        # They go on while a simulation stands still.
+        executor.create_timer(timer_period_ns(_PERIOD_S), self._report)
 
     def note(self, event: TransitionEvent) -> None:
         """Take a step of the lifecycle. This is a listener of its transitions."""

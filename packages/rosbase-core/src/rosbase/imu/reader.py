@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import attrs
-
 from rosbase.clock import date_fault
 from rosbase.contracts.backend import timer_period_ns
 from rosbase.contracts.parameter_store import refused
@@ -53,7 +51,6 @@ class ImuReader(LifecycleNode):
         manager: Any = None,
         *args: Any,
         registry: PluginRegistry | None = None,
-        parameter_defaults: Mapping[str, ParameterValue] = _NOTHING,
         **kwargs: Any,
     ) -> None:
         """Declare the parameters, including those of every installed transport.
@@ -62,7 +59,6 @@ class ImuReader(LifecycleNode):
             manager: The manager, if it has one.
             args: Ignored, as in `BaseNode`.
             registry: Registry of transports and presets; the installed plugins by default.
-            parameter_defaults: Defaults of its parameters that differ from the usual ones.
             kwargs: Passed on to `BaseNode`.
 
         Raises:
@@ -76,8 +72,7 @@ class ImuReader(LifecycleNode):
         # First: on ROS, tools may set a parameter as soon as it is declared.
         self.add_on_set_parameters_callback(self._judge_change)
         for spec in specs:
-            default = parameter_defaults.get(spec.name, spec.default)
-            self.declare_parameter(spec.name, default, attrs.evolve(spec, default=default))
+            self.declare_parameter(spec.name, spec.default, spec)
         self.autostart = self._value("autostart")
         self._settings = self._read_settings()
         # What cannot be is refused now, not when somebody configures. It touches no device.
@@ -90,7 +85,9 @@ class ImuReader(LifecycleNode):
         self._monitor: HealthMonitor | None = None
         self._monitor_timer: ExecutorTimer | None = None
         self._last_health = _NOT_ACTIVE
-        self.add_transition_listener(Diagnostics(self, self._backend).note)
+        self.add_transition_listener(
+            Diagnostics(self, self._connection, self._backend.executor).note
+        )
 
     # What users look at.
 
@@ -236,7 +233,7 @@ class ImuReader(LifecycleNode):
         assert self._topics is not None
         return Outlet(
             self._topics,
-            lambda publisher, like: self._backend.imu_sender(publisher.inner, like),
+            lambda publisher, like: self._connection.imu_sender(publisher.inner, like),
             settings.frame_id,
             settings.covariances,
             self._counts,
@@ -292,7 +289,7 @@ class ImuReader(LifecycleNode):
         settings = read_settings(
             self._registry, lambda name: changed[name] if name in changed else self._value(name)
         )
-        check_names(settings.topic_namespace, settings.frame_id, self._backend.node_name)
+        check_names(settings.topic_namespace, settings.frame_id, self._connection.node_name)
         return settings
 
     def _value(self, name: str) -> Any:

@@ -28,6 +28,7 @@ from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.node import BaseNode
+from rosbase.roles.registration import Registration
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
@@ -139,6 +140,7 @@ class BaseManager(Constructed):
         self.agents = {}
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
         self.logger = open_logger(self.backend, node_name, custom_logger)
+        self.registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
@@ -196,7 +198,6 @@ class BaseManager(Constructed):
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
-        self.key_being_built = ""
         self.handlers = None
         self.loop_stats = LoopStats()
         self._handshake = Handshake(self.logger)
@@ -231,8 +232,9 @@ class BaseManager(Constructed):
         warn_of_untaken(kwargs, [type(self), *components], BaseManager, self.logger.warning)
 
         def build_one(component: Any, where: str, key: str, others: tuple[str, ...]) -> Any:
-            self.key_being_built = key
+            self.registration.key = key
             built = build(component, where, self, args, kwargs)
+            self.registration.key = ""
             if lack := lacks_its_base(built):
                 self.logger.warning(lack)
             # Again, because a constructor may have put another function in its place.
@@ -248,7 +250,6 @@ class BaseManager(Constructed):
             self.agents[name] = build_one(agent_class, f"agents_dict[{name!r}]", name, ("reset",))
         if handlers_class is not None:
             self.handlers = build_one(handlers_class, "handlers_class", "", ("handle",))
-        self.key_being_built = ""
 
     # What users override.
 

@@ -7,12 +7,15 @@ from typing import Any
 from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.contracts.node_connection import NodeConnection
 from rosbase.logger import RosbaseLogger, make_logger
+from rosbase.roles.context import ManagerContext
 
 __all__ = [
     "BACKEND_VARIABLE",
     "DEFAULT_BACKEND",
     "backend_name",
+    "connect",
     "lone_node_name",
     "name_lone_nodes",
     "open_backend",
@@ -46,12 +49,12 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
 
 
 def open_logger(
-    backend: Backend, name: str, custom: Callable[[str], Any] | None = None
+    backend: NodeConnection, name: str, custom: Callable[[str], Any] | None = None
 ) -> RosbaseLogger:
     """Return the logger of a manager or a standalone node, under its name in the backend.
 
     Args:
-        backend: Its backend.
+        backend: Its connection.
         name: The name of the manager or node.
         custom: A class of the application, which is called with the name.
     """
@@ -62,6 +65,28 @@ def open_logger(
         backend.log_handler,
         has_console=backend.has_console_log,
     )
+
+
+def connect(
+    manager: ManagerContext, key: str, *, is_lifecycle: bool
+) -> tuple[NodeConnection, RosbaseLogger]:
+    """Return the connection and the logger of a node of a manager.
+
+    A lifecycle node with the name of the manager is the manager's own node. A node that the
+    manager did not register has no name, and shares the manager's.
+
+    Args:
+        manager: The manager.
+        key: The name in `nodes`; empty for a node that was not registered.
+        is_lifecycle: Whether it is a lifecycle node.
+    """
+    if not key or (is_lifecycle and key == manager.registration.node_name):
+        return manager.backend, manager.logger
+    node = manager.backend.open_node(key, is_lifecycle=is_lifecycle)
+    if manager.registration.has_custom_logger:
+        # A class of the application may open a file: one is enough.
+        return node, manager.logger
+    return node, open_logger(node, key)
 
 
 _lone_name = ""

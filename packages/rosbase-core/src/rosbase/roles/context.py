@@ -4,6 +4,7 @@ from typing import Any, ClassVar, Protocol
 
 from rosbase.contracts.backend import Backend
 from rosbase.roles.callables import check_methods
+from rosbase.roles.registration import Registration
 
 __all__ = ["Component", "ManagerContext", "must_call_base"]
 
@@ -22,8 +23,8 @@ class ManagerContext(Protocol):
     """Nodes by name, in order of registration; grows while components are built."""
     agents: dict[str, Any]
     """Agents by name, as `nodes`."""
-    key_being_built: str
-    """Name, in `nodes` or `agents`, of the component that is being built; or empty."""
+    registration: Registration
+    """Key for the component that is being built."""
     node_freq_hz: float
     state: str | None
     timestamp: int
@@ -39,6 +40,11 @@ class Component:
 
     With a `custom_logger` it also has the methods of that class.
     """
+    name: str
+    """Key in `nodes` or `agents` of the manager, or the name of a standalone node.
+
+    A program may use this attribute for something else: rosbase does not read it.
+    """
     _is_initialised = False
     """Whether the constructor of this class has run."""
     _plain_methods: ClassVar[tuple[str, ...]] = ()
@@ -49,15 +55,20 @@ class Component:
     def __init__(self, manager: ManagerContext | None) -> None:
         check_methods(self, self._plain_methods)
         self.manager = manager
-        self._key = str(getattr(manager, "key_being_built", ""))
+        # A stand-in for a manager, in a test of the application, may have none.
+        registration: Registration | None = getattr(manager, "registration", None)
+        self._key = registration.take_key() if registration is not None else ""
         self._is_initialised = True
 
     def __getattr__(self, name: str) -> Any:
-        """Explain the error if a constructor uses an attribute before it exists.
+        """Return `name`, or explain why an attribute is missing. Python calls it for those.
 
         Raises:
-            AttributeError: Always; Python calls this only for missing attributes.
+            AttributeError: There is no such attribute, or not yet.
         """
+        if name == "name" and self._is_initialised:
+            # Not set in the constructor, because a subclass may have a property of that name.
+            return self._label
         if not self._is_initialised and name in ("manager", "logger", "_backend", "_machine"):
             raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")

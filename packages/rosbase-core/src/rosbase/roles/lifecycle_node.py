@@ -66,6 +66,7 @@ class LifecycleNode(BaseNode):
     `get_state()` in it. Or create it in `on_activate` and destroy it in `on_deactivate`.
     """
 
+    _is_lifecycle: ClassVar[bool] = True
     autostart: Autostart = "none"
     """How far the manager brings this node up by itself."""
     _plain_methods: ClassVar[tuple[str, ...]] = (*BaseNode._plain_methods, *CALLBACKS.values())
@@ -86,7 +87,7 @@ class LifecycleNode(BaseNode):
         self._gated: list[LifecyclePublisher] = []
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
-        self._backend.expose_lifecycle(self)
+        self._connection.expose_lifecycle(self)
 
     # What users override.
 
@@ -280,8 +281,9 @@ class LifecycleNode(BaseNode):
     @property
     def _prefix(self) -> str:
         """Name of the node in log lines, where the logger is the manager's."""
-        is_managers = self.manager is not None and self._label != self.manager.backend.node_name
-        return f"{self._label}: " if is_managers else ""
+        is_managers = self.manager is not None and self.logger is self.manager.logger
+        is_named = is_managers and self._connection is not self._backend
+        return f"{self._label}: " if is_named else ""
 
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._transition_lock.acquire(blocking=False):

@@ -1,15 +1,24 @@
 """The node: communication and caching, with a manager or standalone, with the same code."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, TypeVar
 
+from attrs import evolve
+
 from rosbase.clock import Clock
-from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription, Timer
+from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
-from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
+from rosbase.parameters import (
+    Parameter,
+    ParameterSpec,
+    ParameterValue,
+    SetParametersResult,
+    check_value,
+)
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
-from rosbase.roles.connection import lone_node_name, open_backend, open_logger
+from rosbase.roles.connection import connect, lone_node_name, open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
@@ -31,6 +40,10 @@ class BaseNode(Constructed, Component):
     """
 
     _plain_methods: ClassVar[tuple[str, ...]] = ("release_resources", "destroy_node")
+    _is_lifecycle: ClassVar[bool] = False
+    """Whether other programs see it as a node of its own name."""
+    _connection: NodeConnection
+    """Connection for its own topics, timers and parameters."""
 
     @constructor
     def __init__(
@@ -40,6 +53,7 @@ class BaseNode(Constructed, Component):
         node_name: str | None = None,
         backend: str | Backend | None = None,
         custom_logger: Callable[[str], Any] | None = None,
+        parameter_defaults: Mapping[str, ParameterValue] | None = None,
         **kwargs: Any,
     ) -> None:
         """Attach to the manager, or open a connection.
@@ -50,17 +64,23 @@ class BaseNode(Constructed, Component):
             node_name: The name of a standalone node; by default made from its class.
             backend: The backend of a standalone node, by name or ready made.
             custom_logger: A class that a standalone node calls with its name for its logger.
+            parameter_defaults: Values that replace the defaults of its parameters, by the name of
+                the parameter. With the name of a node in front, as in `camera.fps`, one is for
+                that node of a manager alone.
             kwargs: Arguments that the manager forwards; ignored here. A standalone node warns of
                 those that its class does not name.
         """
         super().__init__(manager)
         self._stop_requested = False
+        self._parameter_defaults = parameter_defaults or {}
         if manager is not None:
             self._backend = manager.backend
-            self.logger = manager.logger
+            self._connection, self.logger = connect(
+                manager, self._key, is_lifecycle=self._is_lifecycle
+            )
             return
         name = node_name or lone_node_name(self)
-        self._backend = open_backend(backend, BackendOptions(node_name=name))
+        self._connection = self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = open_logger(self._backend, name, custom_logger)
         warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
 
@@ -68,7 +88,7 @@ class BaseNode(Constructed, Component):
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
     ) -> Publisher:
         """Create a publisher of messages of that type, with that depth or profile."""
-        return self._backend.create_publisher(msg_type, topic, qos_profile)
+        return self._connection.create_publisher(msg_type, topic, qos_profile)
 
     def create_subscription(
         self,
@@ -85,7 +105,7 @@ class BaseNode(Constructed, Component):
             TypeError: The callback cannot be called, or is async or a generator.
         """
         check_callback(callback, f"the subscription to {topic}")
-        return self._backend.create_subscription(msg_type, topic, callback, qos_profile)
+        return self._connection.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
         """Create a timer: `callback()` is called on the main-loop thread, once per period.
@@ -94,23 +114,23 @@ class BaseNode(Constructed, Component):
             TypeError: The callback cannot be called, or is async or a generator.
         """
         check_callback(callback, "a timer")
-        return self._backend.create_timer(timer_period_sec, callback)
+        return self._connection.create_timer(timer_period_sec, callback)
 
     def destroy_publisher(self, publisher: Publisher) -> None:
         """Destroy a publisher."""
-        self._backend.destroy_publisher(publisher)
+        self._connection.destroy_publisher(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> None:
         """Destroy a subscription: its callback is not called again."""
-        self._backend.destroy_subscription(subscription)
+        self._connection.destroy_subscription(subscription)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer."""
-        self._backend.destroy_timer(timer)
+        self._connection.destroy_timer(timer)
 
     def get_clock(self) -> Clock:
         """Return the clock: `get_clock().now()` is a stamp."""
-        return self._backend.clock
+        return self._connection.clock
 
     def declare_parameter(
         self, name: str, value: ParameterValue, spec: ParameterSpec | None = None
@@ -118,14 +138,20 @@ class BaseNode(Constructed, Component):
         """Declare a parameter, and return it with its value as set from outside.
 
         Args:
-            name: Its name.
-            value: Its default, which also says its type.
+            name: Its name. Other programs see it with the name of the node in front, such as
+                `camera.fps`, if the node shares the connection of its manager.
+            value: Its default, which also says its type. `parameter_defaults` may replace it.
             spec: More about it, such as its range; its name and default are those above.
 
         Raises:
             ParameterError: It exists already, or was set to an invalid value.
         """
-        return self._backend.declare_parameter(spec or ParameterSpec(name, value))
+        spec = spec or ParameterSpec(name, value)
+        own, given = f"{self._key}.{name}", self._parameter_defaults
+        if own in given or name in given:
+            default = check_value(spec, given[own] if own in given else given[name])
+            spec = evolve(spec, default=default)
+        return self._connection.declare_parameter(spec)
 
     def get_parameter(self, name: str) -> Parameter:
         """Return a declared parameter; its `value` is the current one.
@@ -133,7 +159,7 @@ class BaseNode(Constructed, Component):
         Raises:
             ParameterError: It has not been declared.
         """
-        return self._backend.get_parameter(name)
+        return self._connection.get_parameter(name)
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Set all parameters, or none.
@@ -142,7 +168,7 @@ class BaseNode(Constructed, Component):
             Whether they were set, and the reason if not. A parameter may be undeclared or
             read-only, its value may have another type, or a callback may refuse it.
         """
-        return self._backend.set_parameters(parameters)
+        return self._connection.set_parameters(parameters)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback(parameters)` on the main-loop thread before parameters are set.
@@ -151,7 +177,7 @@ class BaseNode(Constructed, Component):
         and the caller that sets them gets the reason.
         """
         check_callback(callback, "add_on_set_parameters_callback")
-        self._backend.add_on_set_parameters_callback(callback)
+        self._connection.add_on_set_parameters_callback(callback)
 
     def start_spin_standalone(self) -> None:
         """Run a standalone node until SIGINT or SIGTERM, then clean up after it.
@@ -186,6 +212,12 @@ class BaseNode(Constructed, Component):
         """Close a standalone node's own connection. Ignored if it is closed, or with a manager."""
         if self.manager is None:
             self._backend.close()
+
+    @property
+    def _label(self) -> str:
+        """Name in the log: its key at the manager, or the name that others see."""
+        is_alone = self.__dict__.get("manager") is None and hasattr(self, "_backend")
+        return self._backend.node_name if is_alone else super()._label
 
     def _repr_parts(self) -> list[str]:
         is_alone = self.__dict__.get("manager") is None and hasattr(self, "_backend")

@@ -1,0 +1,218 @@
+"""The connection of one node to the outside world: its name, topics, timers and parameters.
+
+A backend is the connection of its manager's own node, or of a standalone node.
+`Backend.open_node` opens one for every other node that the manager registers.
+"""
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, TypeVar
+
+from rosbase.clock import Clock
+from rosbase.contracts.imu_sender import ImuSender, message_sender
+from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.lifecycle import ManagedNode
+from rosbase.messages import Imu
+from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
+from rosbase.qos import QoSProfile
+
+__all__ = ["NodeConnection", "Publisher", "Subscription", "Timer"]
+
+MessageT = TypeVar("MessageT")
+
+
+class Publisher(Protocol):
+    """A publisher: sends messages to a topic."""
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic, such as `/imu/data`."""
+        ...
+
+    def publish(self, message: Any) -> object:
+        """Hand the message to every subscription, without waiting for them.
+
+        Call it from any thread.
+
+        Nothing is sent once the publisher has ended.
+
+        Returns:
+            False if the backend did not take the message; the log says why. DDS, for example,
+            refuses some dates of the machine. No exception is raised, because no program can fix
+            it.
+
+        Raises:
+            TypeError: The message is not of the topic's type, or a field has a value of another.
+            ValueError: A value does not fit into its field in the backend.
+        """
+        ...
+
+
+class Subscription(Protocol):
+    """A subscription: receives the messages of a topic."""
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic."""
+        ...
+
+    @property
+    def dropped(self) -> int:
+        """Number of messages lost because the callback was slower than the publisher.
+
+        Messages lost before they reached the backend are not counted.
+        """
+        ...
+
+
+class Timer(Protocol):
+    """A timer: calls a function periodically.
+
+    Its methods have rclpy's names and work from any thread.
+    """
+
+    def cancel(self) -> None:
+        """Stop the timer, until `reset`."""
+        ...
+
+    def reset(self) -> None:
+        """Restart the timer: the next call is one period from now. Ignored once it is destroyed."""
+        ...
+
+    def is_canceled(self) -> bool:
+        """Return whether the timer is stopped."""
+        ...
+
+
+class NodeConnection(ABC):
+    """The connection of one node."""
+
+    node_name: str
+    """Name of the node as other programs see it, with its namespace in front if there is one."""
+    clock: Clock
+    """Clock for stamps. Its date may come from the backend."""
+
+    log_handler: logging.Handler | None = None
+    """Handler for every record of the node, beside the console.
+
+    It is called from any thread. If the application has set up no logging, its level is the
+    minimum for both. The message is one line of printable characters, with a traceback
+    indented below it. The handler must never raise, even after `close`. Set it before the
+    constructor returns.
+    """
+
+    log_name: str | None = None
+    """Name of the node's logger, such as `robot.left`.
+
+    None stands for the name of the manager or standalone node. Set it before the constructor
+    returns.
+    """
+
+    has_console_log: bool = True
+    """Whether records go to the console if the application has set up no logging.
+
+    Set it before the constructor returns.
+    """
+
+    @abstractmethod
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
+    ) -> Publisher:
+        """Create a publisher that offers the given profile.
+
+        Raises:
+            BackendError: The topic has another type, the name or the profile is invalid, or the
+                backend is closed.
+        """
+
+    @abstractmethod
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: int | QoSProfile,
+    ) -> Subscription:
+        """Create a subscription that asks for the given profile.
+
+        Raises:
+            BackendError: The topic has another type, the name or the profile is invalid, or the
+                backend is closed.
+        """
+
+    @abstractmethod
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Destroy a publisher of this backend; sent messages still arrive.
+
+        Do nothing if it has ended.
+        """
+
+    @abstractmethod
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Destroy a subscription: its callback is not called again. Do nothing if it has ended."""
+
+    @abstractmethod
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Declare a parameter, with its override if there is one, else its default.
+
+        The value is of the spec's kind: 5 for a number is 5.0. A refused parameter stays
+        undeclared.
+
+        Raises:
+            ParameterError: It is declared already, or the override is not a valid value.
+        """
+
+    @abstractmethod
+    def get_parameter(self, name: str) -> Parameter:
+        """Return the parameter with its current value.
+
+        Values set from outside count, unless they are invalid.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+
+    @abstractmethod
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all parameters, or none: one that is undeclared, read-only or wrong is refused.
+
+        Each keeps its declared type. Call it on the spinning thread.
+        """
+
+    @abstractmethod
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` on the spinning thread before parameters are set, from any source."""
+
+    @abstractmethod
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """Create a timer with absolute deadlines; missed calls are skipped, not caught up.
+
+        The first call is one period from now. Deadlines are on the monotonic clock, unless
+        the backend has a time of its own that timers should follow, such as simulated
+        time.
+
+        Raises:
+            ValueError: The period is not a positive, finite number of seconds.
+            BackendError: The backend is closed.
+        """
+
+    @abstractmethod
+    def destroy_timer(self, timer: Timer) -> None:
+        """Destroy a timer of this connection. Do nothing if it has ended."""
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
+        """Let other programs see and drive the lifecycle of a node of this backend.
+
+        Called once for each node, when it is built and unconfigured. A backend that can
+        show only one shows the first, and logs a warning for each of the others.
+        """
+
+    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+        """Create a sender of samples that differ from `template` only in stamp and numbers.
+
+        Override it in a backend that can send samples without building a message for each;
+        the received messages are the same. The sender may be called from any thread, by
+        one at a time.
+        """
+        return message_sender(publisher.publish, template)

@@ -1,0 +1,122 @@
+"""A node that shares the connection of its manager."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from attrs import evolve
+
+from rosbase.contracts.imu_sender import ImuSender
+from rosbase.contracts.names import check_node_name, resolve_topic
+from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
+from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.lifecycle import ManagedNode
+from rosbase.messages import Imu
+from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
+from rosbase.qos import QoSProfile
+
+__all__ = ["NodeView"]
+
+MessageT = TypeVar("MessageT")
+
+
+class NodeView(NodeConnection):
+    """The connection of one node among several: its parameters have its name in front."""
+
+    def __init__(self, shared: NodeConnection, name: str, *, is_lifecycle: bool) -> None:
+        """Take a part of a connection.
+
+        Args:
+            shared: The connection of the manager.
+            name: The name of the node, in front of its parameters.
+            is_lifecycle: Whether it is a node to other programs, with a name of its own.
+
+        Raises:
+            BackendError: ROS would refuse the name for a lifecycle node.
+        """
+        if is_lifecycle:
+            check_node_name(name)
+        if is_lifecycle:
+            namespace = shared.node_name.rpartition("/")[0]
+            self.node_name = f"{namespace}/{name}".removeprefix("/")
+            self.log_name = self.node_name.replace("/", ".")
+        else:
+            self.node_name = shared.node_name
+            self.log_name = f"{shared.log_name or shared.node_name}.{name}"
+        self.log_handler = shared.log_handler
+        self.has_console_log = shared.has_console_log
+        self.clock = shared.clock
+        self._shared = shared
+        self._prefix = f"{name}."
+        self._is_lifecycle = is_lifecycle
+
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
+    ) -> Publisher:
+        """Create a publisher."""
+        return self._shared.create_publisher(msg_type, self._own(topic), qos_profile)
+
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: int | QoSProfile,
+    ) -> Subscription:
+        """Create a subscription."""
+        return self._shared.create_subscription(msg_type, self._own(topic), callback, qos_profile)
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Destroy a publisher."""
+        self._shared.destroy_publisher(publisher)
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Destroy a subscription."""
+        self._shared.destroy_subscription(subscription)
+
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """Create a timer."""
+        return self._shared.create_timer(period_s, callback)
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Destroy a timer."""
+        self._shared.destroy_timer(timer)
+
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Declare a parameter; others see it with the name of the node in front."""
+        return self._inner(
+            self._shared.declare_parameter(evolve(spec, name=self._prefix + spec.name))
+        )
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return the parameter with its current value."""
+        return self._inner(self._shared.get_parameter(self._prefix + name))
+
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set all parameters, or none."""
+        outer = [Parameter(self._prefix + p.name, p.value) for p in parameters]
+        return self._shared.set_parameters(outer)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` before parameters of this node are set."""
+
+        def ask(parameters: list[Parameter]) -> Any:
+            own = [self._inner(p) for p in parameters if p.name.startswith(self._prefix)]
+            return callback(own) if own else SetParametersResult(successful=True)
+
+        ask.__qualname__ = getattr(callback, "__qualname__", repr(callback))
+        self._shared.add_on_set_parameters_callback(ask)
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:
+        """Let other programs see the lifecycle, as far as the backend can."""
+        self._shared.expose_lifecycle(node)
+
+    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+        """Create a sender of samples."""
+        return self._shared.imu_sender(publisher, template)
+
+    def _inner(self, parameter: Parameter) -> Parameter:
+        return Parameter(parameter.name.removeprefix(self._prefix), parameter.value)
+
+    def _own(self, topic: str) -> str:
+        """Return the topic to ask the shared connection for: `~` and `{node}` are this node's."""
+        return resolve_topic(topic, self.node_name) if self._is_lifecycle else topic

@@ -1,0 +1,261 @@
+"""One node of ROS: its topics, parameters, lifecycle and log, and the thread that serves it."""
+
+import copy
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from rclpy.qos import QoSProfile
+
+from rosbase import (
+    BackendError,
+    ImuSender,
+    ManagedNode,
+    NodeConnection,
+    OnSetParameters,
+    Parameter,
+    ParameterSpec,
+    ParameterValue,
+    Publisher,
+    SetParametersResult,
+    Subscription,
+    make_logger,
+    name_undeclared,
+    one_line,
+    resolve_topic,
+)
+from rosbase.messages import Imu
+from rosbase_ros2.clock import RosClock
+from rosbase_ros2.delivery import Retirement
+from rosbase_ros2.given import given_parameters
+from rosbase_ros2.kinds import name_of
+from rosbase_ros2.lifecycle_services import LifecycleServices
+from rosbase_ros2.parameters import Overrides, RosParameters
+from rosbase_ros2.process import Process
+from rosbase_ros2.qos import queue_depth, to_profile
+from rosbase_ros2.qos_overrides import QoSOverrides
+from rosbase_ros2.questions import Questions
+from rosbase_ros2.refusals import Refusals
+from rosbase_ros2.rosout import RosoutHandler
+from rosbase_ros2.spinner import Spinner
+from rosbase_ros2.starting import is_enabled
+from rosbase_ros2.topics import RosPublisher, RosSubscription
+
+__all__ = ["RosNode"]
+
+MessageT = TypeVar("MessageT")
+
+
+class RosNode(NodeConnection):
+    """The connection of one node, which ROS sees under its name."""
+
+    clock: RosClock
+
+    def set_up(
+        self,
+        process: Process,
+        node: Any,
+        values: Mapping[str, ParameterValue],
+        on_context_end: Callable[[], object],
+    ) -> None:
+        """Take over an rclpy node, and begin to serve it.
+
+        Args:
+            process: What it shares with other nodes.
+            node: The rclpy node.
+            values: Values of the program that override the defaults of its parameters.
+            on_context_end: Called on the thread of the node when its context ends first.
+
+        Raises:
+            ParameterError: An override of a quality of service is invalid.
+        """
+        self._process = process
+        process.nodes.append(node)
+        self.node = node
+        """Node of rclpy, for everything else that a program needs: actions, services, tf2."""
+        # It may have been given another one on the command line.
+        self.node_name = node.get_fully_qualified_name().removeprefix("/")
+        self.clock = clock = RosClock(node)
+        self.log_name = node.get_logger().name
+        self.has_console_log = is_enabled("stdout-logs", process.words)
+        self.log_handler = self._rosout = RosoutHandler(node, process.log_file)
+        self._logger = make_logger(
+            self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
+        )
+        self._refusals = Refusals(process.context, self._logger)
+        self._values = values
+        self._given = given_parameters(node)
+        # What a program is given is meant for its manager or one of its children.
+        is_child = process.options.is_child
+        self._warn = self._logger.debug if is_child else self._logger.warning
+        self._overrides = QoSOverrides(self._given, self._warn)
+        questions = Questions(process.executor.call_soon, self._is_on_spinner)
+        written = process.arguments.written_for(node.get_fully_qualified_name())
+        overrides = Overrides(values, self._given, written)
+        self._parameters = RosParameters(
+            node, overrides, questions, self._refusals, self._logger.error
+        )
+        self._publishers: list[RosPublisher] = []
+        self._retirement = Retirement(node)
+        self._subscriptions: list[RosSubscription] = []
+        self._services: list[LifecycleServices] = []
+        self._spinner = Spinner(process.context, node, self._report, on_context_end)
+
+    @property
+    def given_names(self) -> list[str]:
+        """Names of the parameters that the node is given."""
+        return [*self._given, *self._values]
+
+    def name_undeclared(self, names: Iterable[str]) -> None:
+        """Warn of parameters that are given and not declared."""
+        declared = self.node.list_parameters([], 0).names
+        name_undeclared(names, declared, self._warn)
+
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: Any) -> Publisher:
+        """Create a publisher of rosbase messages, which are converted, or of native ROS ones.
+
+        Args:
+            msg_type: The class of the messages.
+            topic: Name as in ROS: relative, absolute, or private with `~/`; remapping applies.
+            qos_profile: The depth of a reliable, volatile topic, or a profile of rosbase or rclpy.
+        """
+        self._process.check_open()
+        converter = self._process.conversions.of(msg_type)
+        profile = to_profile(qos_profile, topic)
+        inner = self._create("publisher", converter.ros_type, topic, profile)
+        publisher = RosPublisher(inner, converter, self._refusals)
+        self._publishers.append(publisher)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        qos_profile: Any,
+    ) -> Subscription:
+        """Create a subscription; the callback runs on the main-loop thread."""
+        self._process.check_open()
+        converter = self._process.conversions.of(msg_type)
+        profile = to_profile(qos_profile, topic)
+        call_soon = self._process.executor.call_soon
+        subscription = RosSubscription(converter, callback, queue_depth(profile), call_soon)
+        subscription.attach(
+            self._create("subscription", converter.ros_type, topic, profile, subscription.deliver)
+        )
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def destroy_publisher(self, publisher: Publisher) -> None:
+        """Destroy a publisher; ROS sees it until its last messages have arrived."""
+        if isinstance(publisher, RosPublisher) and publisher in self._publishers:
+            self._publishers.remove(publisher)
+            publisher.close()
+            self._spinner.call(lambda: self._retirement.take(publisher.inner))
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Destroy a subscription."""
+        if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
+            self._subscriptions.remove(subscription)
+            subscription.close()
+            self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
+
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        """Declare a parameter of the node."""
+        return self._parameters.declare(spec)
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return the parameter with its current value, also if it was set from outside."""
+        return self._parameters.get(name)
+
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Set parameters of the node, or none of them if one is refused."""
+        return self._parameters.set(parameters)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback` on the main loop before parameters are set, from any source."""
+        self._parameters.add_callback(callback)
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:
+        """Create the five services and the topic with which the ROS tools drive a managed node."""
+        self._process.check_open()
+        if self._services:
+            self._logger.warning(
+                f"{type(node).__name__} is not seen by the ROS tools: the services of"
+                f" {self.node.get_name()} are those of its first lifecycle node"
+            )
+            return
+        call_soon = self._process.executor.call_soon
+        self._services.append(LifecycleServices(self.node, node, call_soon, self._logger))
+
+    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+        """Return a sender of samples as bytes."""
+        if isinstance(publisher, RosPublisher):
+            return publisher.imu_sender(template)
+        return super().imu_sender(publisher, template)
+
+    def has_parameter(self, name: str) -> bool:
+        """Return whether the node has declared a parameter."""
+        return bool(self.node.has_parameter(name))
+
+    # The end, step by step: `Ros2Backend.close` takes each with all nodes.
+
+    def stop_sending(self) -> list[Any]:
+        """Send nothing more; return the publishers of rclpy."""
+        for publisher in self._publishers:
+            publisher.close()
+        self._publishers.clear()
+        return list(self.node.publishers)
+
+    def stop_receiving(self) -> None:
+        """Refuse requests, and hand on nothing more."""
+        self._overrides.name_unused()
+        self._rosout.close()
+        for services in self._services:
+            services.close()
+        for subscription in self._subscriptions:
+            subscription.close()
+
+    def destroy(self) -> bool:
+        """Destroy the rclpy node; return whether that was possible: no callback hangs."""
+        if not self._spinner.close():
+            return False
+        self.node.destroy_node()
+        return True
+
+    def _create(
+        self, end: str, ros_type: type, topic: str, profile: QoSProfile, *callback: Any
+    ) -> Any:
+        """Create an end of a topic with rclpy; turn a refusal into an error of one line."""
+        resolve_topic(topic, self.node_name)
+        is_publisher = end == "publisher"
+        create = self.node.create_publisher if is_publisher else self.node.create_subscription
+        try:
+            name = self.node.resolve_topic_name(topic)
+            self._check_type(name, ros_type)
+            options = self._overrides.options(name, end)
+            # rclpy changes the profile, which may be used for other topics too.
+            profile = copy.copy(profile) if options else profile
+            return create(ros_type, topic, *callback, profile, qos_overriding_options=options)
+        except Exception as error:
+            reason = one_line(str(error))
+            if fault := self._refusals.explain(error):
+                reason = f"{fault} ({reason})"
+            raise BackendError(f"topic {topic!r}: {reason}") from error
+        finally:
+            if self._overrides.is_unused:
+                # When whoever creates topics has created them all.
+                self._process.executor.call_soon(self._overrides.name_near_misses)
+
+    def _check_type(self, name: str, ros_type: type) -> None:
+        # rmw would refuse it too, but rclpy says nothing then of topics and types.
+        ends = (end for n in self._process.nodes for end in (*n.publishers, *n.subscriptions))
+        for end in ends:
+            if end.topic_name == name and end.msg_type is not ros_type:
+                known, new = name_of(end.msg_type), name_of(ros_type)
+                raise TypeError(f"it carries {known}, so it cannot carry {new}")
+
+    def _is_on_spinner(self) -> bool:
+        return self._spinner.is_current_thread
+
+    def _report(self, error: BaseException) -> None:
+        self._logger.error(f"a callback of rclpy raised {type(error).__name__}: {error}")

@@ -1,0 +1,49 @@
+"""What all nodes of one backend share: the rclpy context, the arguments, the main loop."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from attrs import define, field
+
+from rosbase import BackendError, BackendOptions, Executor
+from rosbase_ros2.conversion import Conversions
+from rosbase_ros2.log_file import LogFile
+from rosbase_ros2.starting import is_enabled
+from rosbase_ros2.written import RosArguments
+
+__all__ = ["Process"]
+
+
+@define
+class Process:
+    """The part of a backend that its nodes have in common."""
+
+    context: Any
+    """Context of rclpy."""
+    options: BackendOptions
+    executor: Executor
+    """Runs the callbacks of the program, on the main loop."""
+    words: Sequence[str]
+    """Arguments for ROS on the command line."""
+    arguments: RosArguments
+    """The same arguments, with the values written in them."""
+    conversions: Conversions
+    log_file: LogFile | None = field(init=False, default=None)
+    """Log file of ROS, if there is one."""
+    nodes: list[Any] = field(init=False, factory=list)
+    """Nodes of rclpy."""
+    is_closed: bool = field(init=False, default=False)
+
+    def find_log_file(self) -> None:
+        """Find the log file, which rcl opens with the first node."""
+        if is_enabled("external-lib-logs", self.words):
+            self.log_file = LogFile.of_this_process()
+
+    def check_open(self) -> None:
+        """Check that the backend has not been closed.
+
+        Raises:
+            BackendError: It has.
+        """
+        if self.is_closed:
+            raise BackendError("the backend is closed")
