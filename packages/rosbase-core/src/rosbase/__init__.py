@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         OnSetParameters,
         ParameterRules,
         ParameterStore,
+        PostSetParameters,
         name_undeclared,
         refused,
     )
@@ -146,6 +147,7 @@ if TYPE_CHECKING:
         register_multiprocess_nodes,
         shutdown_multiprocess_nodes,
     )
+    from rosbase.program import take_arguments
     from rosbase.qos import (
         DurabilityPolicy,
         HistoryPolicy,
@@ -258,6 +260,7 @@ __all__ = [
     "PluggableDevice",
     "PluginError",
     "PluginRegistry",
+    "PostSetParameters",
     "PresetPlugin",
     "Publisher",
     "QoSProfile",
@@ -313,6 +316,7 @@ __all__ = [
     "register_multiprocess_nodes",
     "resolve_topic",
     "shutdown_multiprocess_nodes",
+    "take_arguments",
     "timer_period_ns",
 ]
 
@@ -367,6 +371,7 @@ _HOMES = {
     "NotADeviceError": "rosbase.errors",
     "NotInstalledError": "rosbase.errors",
     "OnFrame": "rosbase.contracts.transport",
+    "PostSetParameters": "rosbase.contracts.parameter_store",
     "OnSetParameters": "rosbase.contracts.parameter_store",
     "OpenDevice": "rosbase.device",
     "Outcome": "rosbase.contracts.checks",
@@ -436,6 +441,7 @@ _HOMES = {
     "register_multiprocess_nodes": "rosbase.processes",
     "resolve_topic": "rosbase.contracts.names",
     "shutdown_multiprocess_nodes": "rosbase.processes",
+    "take_arguments": "rosbase.program",
     "timer_period_ns": "rosbase.contracts.backend",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.

@@ -15,6 +15,7 @@ from rosbase import (
     Parameter,
     ParameterSpec,
     ParameterValue,
+    PostSetParameters,
     Publisher,
     SetParametersResult,
     Subscription,
@@ -92,7 +93,12 @@ class RosNode(NodeConnection):
         written = process.arguments.written_for(node.get_fully_qualified_name())
         overrides = Overrides(values, self._given, written)
         self._parameters = RosParameters(
-            node, overrides, questions, self._refusals, self._logger.error
+            node,
+            overrides,
+            questions,
+            self._refusals,
+            self._logger.error,
+            process.executor.call_soon,
         )
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(node)
@@ -174,6 +180,10 @@ class RosNode(NodeConnection):
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` on the main loop before parameters are set, from any source."""
         self._parameters.add_callback(callback)
+
+    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
+        """Call `callback` on the main loop after parameters were set, from any source."""
+        self._parameters.add_post_callback(callback)
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Create the five services and the topic with which the ROS tools drive a managed node."""

@@ -88,6 +88,7 @@ class RosParameters:
         questions: Questions,
         refusals: Refusals,
         report: Callable[[str], object],
+        call_soon: Callable[[Callable[[], object]], object],
     ) -> None:
         """Take over checking parameters when they are set.
 
@@ -97,6 +98,7 @@ class RosParameters:
             questions: Asks the main loop.
             refusals: Judges messages that DDS refuses.
             report: Called with a line for each callback of the program that fails.
+            call_soon: Queues a call for the main loop.
         """
         self._node = node
         self._overrides = overrides
@@ -105,8 +107,12 @@ class RosParameters:
         self._refusals = refusals
         self.add_callback = self._rules.add_callback
         """Ask a callback on the main loop before parameters are set."""
+        self.add_post_callback = self._rules.add_post_callback
+        """Call a callback on the main loop after parameters were set."""
+        self._call_soon = call_soon
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._tell)
 
     def declare(self, spec: ParameterSpec) -> Parameter:
         """Declare the parameter on the node, with its value from outside if there is one.
@@ -159,6 +165,15 @@ class RosParameters:
             self._refusals.judge("/parameter_events", error)
             return SetParametersResult(successful=True)
         return SetParametersResult(answer.successful, answer.reason)
+
+    def _tell(self, parameters: list[Any]) -> None:
+        ours = [
+            Parameter(parameter.name, check_value(spec, _plain(parameter.value)))
+            for parameter in parameters
+            if (spec := self._rules.find(parameter.name)) is not None
+        ]
+        if ours:
+            self._call_soon(lambda: self._rules.tell(ours))
 
     def _kind(self, name: str) -> ParameterKind:
         spec = self._rules.find(name)

@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
@@ -17,6 +16,7 @@ from rosbase.parameters import (
     from_outside,
     parse_text,
 )
+from rosbase.program.files import flatten, read_toml
 from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = [
@@ -161,23 +161,8 @@ def _read_file(file: Path | None) -> dict[str, Any]:
     if file is None:
         return {}
     try:
-        return _flatten(tomllib.loads(file.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise ConfigurationError(f"{file}: {error.strerror}") from error
-    except RecursionError:
-        raise ConfigurationError(f"{file}: nested too deeply") from None
-    except ValueError as error:
-        # TOML's own errors and those of UTF-8 are both of this kind.
-        is_of_ros = file.suffix in (".yaml", ".yml")
+        return flatten(read_toml(file))
+    except ConfigurationError as error:
+        is_of_ros = file.suffix in (".yaml", ".yml") and file.exists()
         hint = "; a parameter file of ROS is given behind --ros-args" if is_of_ros else ""
-        raise ConfigurationError(f"{file}: {one_line(str(error))}{hint}") from error
-
-
-def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        if isinstance(value, dict) and value:
-            flat |= _flatten(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = value
-    return flat
+        raise ConfigurationError(f"{error}{hint}") from error

@@ -12,28 +12,28 @@ _END = "--"
 
 def split_arguments(
     arguments: Sequence[str], backends: Mapping[str, BackendPlugin]
-) -> tuple[list[str], dict[str, str]]:
+) -> tuple[list[str], dict[str, str], list[str]]:
     """Split the arguments of the command from those of backends.
 
     The arguments of a backend follow its word, up to `--` or the end. The backend finds them
     by itself.
 
     Returns:
-        The remaining arguments, and each word that was found with the name of its backend.
+        The remaining arguments, each word that was found with the name of its backend, and the
+        arguments of the backends with these words.
     """
     words = {plugin.arguments_after: name for name, plugin in backends.items()}
     own: list[str] = []
     found: dict[str, str] = {}
+    theirs: list[str] = []
     within = False
     for argument in arguments:
         if argument and argument in words:
             found[argument] = words[argument]
             within = True
-        elif not within:
-            own.append(argument)
-        elif argument == _END:
-            within = False
-    return own, found
+        (theirs if within else own).append(argument)
+        within = within and argument != _END
+    return own, found, theirs
 
 
 def check_taken(found: Mapping[str, str], backend: str) -> None:

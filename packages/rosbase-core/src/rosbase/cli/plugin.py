@@ -10,10 +10,12 @@ from rosbase.plugins import CheckPlugin, CommandPlugin, hookimpl, installed_plug
 
 __all__ = ["rosbase_checks", "rosbase_commands"]
 
+_RUNS_PROGRAMS = "run"
 _COMMANDS = (
     ("imu", "read an IMU and publish what it measures", "rosbase.cli.imu"),
     ("demo", "read a simulated IMU over a real link", "rosbase.cli.demo"),
     ("simulate", "run a simulated IMU for you to read", "rosbase.cli.simulate"),
+    (_RUNS_PROGRAMS, "run a program, with parameters from outside", "rosbase.cli.run_program"),
     ("doctor", "find problems on this machine, and say what to do", "rosbase.cli.doctor"),
     ("plugins", "list the installed plugins", "rosbase.cli.list_plugins"),
 )
@@ -27,7 +29,9 @@ def _command(name: str, summary: str, module: str) -> CommandPlugin:
         status: int = import_module(module).run(arguments)
         return status
 
-    return CommandPlugin(name, summary, configure, run)
+    return CommandPlugin(
+        name, summary, configure, run, forwards_backend_arguments=name == _RUNS_PROGRAMS
+    )
 
 
 def _check_python(context: CheckContext) -> Iterable[Finding]:

@@ -53,7 +53,7 @@ def _run(arguments: list[str]) -> int:
 def _run_command(arguments: list[str]) -> int:
     registry = installed_plugins()
     commands = registry.commands
-    arguments, backend_arguments = split_arguments(arguments, registry.backends)
+    arguments, found, theirs = split_arguments(arguments, registry.backends)
     parser = OneLineParser(
         prog="rosbase", description="A framework for robot applications, with or without ROS."
     )
@@ -74,8 +74,12 @@ def _run_command(arguments: list[str]) -> int:
         return 0
     if parsed.command is None:
         parser.error(f"give a command: {', '.join(sorted(commands))}; see --help")
-    check_taken(backend_arguments, backend_name(getattr(parsed, "backend", None)))
-    return commands[parsed.command].run(parsed)
+    command = commands[parsed.command]
+    if command.forwards_backend_arguments:
+        parsed.backend_arguments = theirs
+    else:
+        check_taken(found, backend_name(getattr(parsed, "backend", None)))
+    return command.run(parsed)
 
 
 def _configure(command: CommandPlugin, parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.contracts.imu_sender import ImuSender, message_sender
-from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
@@ -183,6 +183,10 @@ class NodeConnection(ABC):
     @abstractmethod
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` on the spinning thread before parameters are set, from any source."""
+
+    @abstractmethod
+    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
+        """Call `callback` on the spinning thread after parameters were set, from any source."""
 
     @abstractmethod
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:

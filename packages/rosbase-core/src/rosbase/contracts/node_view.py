@@ -8,7 +8,7 @@ from attrs import evolve
 from rosbase.contracts.imu_sender import ImuSender
 from rosbase.contracts.names import check_node_name, resolve_topic
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
-from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.lifecycle import ManagedNode
 from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
@@ -105,6 +105,15 @@ class NodeView(NodeConnection):
 
         ask.__qualname__ = getattr(callback, "__qualname__", repr(callback))
         self._shared.add_on_set_parameters_callback(ask)
+
+    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
+        """Call `callback` after parameters of this node were set."""
+
+        def tell(parameters: list[Parameter]) -> None:
+            if own := [self._inner(p) for p in parameters if p.name.startswith(self._prefix)]:
+                callback(own)
+
+        self._shared.add_post_set_parameters_callback(tell)
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Let other programs see the lifecycle, as far as the backend can."""

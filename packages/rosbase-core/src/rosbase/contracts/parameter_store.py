@@ -15,10 +15,21 @@ from rosbase.parameters import (
 )
 from rosbase.text.printable import one_line
 
-__all__ = ["OnSetParameters", "ParameterRules", "ParameterStore", "name_undeclared", "refused"]
+__all__ = [
+    "OnSetParameters",
+    "ParameterRules",
+    "ParameterStore",
+    "PostSetParameters",
+    "name_undeclared",
+    "refused",
+]
 
 OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
 """Callback that returns a `SetParametersResult`, or rclpy's, for parameters about to be set."""
+
+
+PostSetParameters: TypeAlias = Callable[[list[Parameter]], object]
+"""Callback for parameters that have been set."""
 
 
 class ParameterRules:
@@ -34,6 +45,7 @@ class ParameterRules:
         self._report = report or RosbaseLogger("parameters").error
         self._specs: dict[str, ParameterSpec] = {}
         self._callbacks: list[OnSetParameters] = []
+        self._post_callbacks: list[PostSetParameters] = []
 
     def add(self, spec: ParameterSpec) -> None:
         """Add a declared parameter."""
@@ -51,6 +63,15 @@ class ParameterRules:
     def add_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` before parameters are set; the last one added is asked first."""
         self._callbacks.insert(0, callback)
+
+    def add_post_callback(self, callback: PostSetParameters) -> None:
+        """Call `callback` after parameters were set."""
+        self._post_callbacks.append(callback)
+
+    def tell(self, parameters: Sequence[Parameter]) -> None:
+        """Tell the callbacks of parameters that were set. Call it on the spinning thread."""
+        for callback in list(self._post_callbacks):
+            callback(list(parameters))
 
     def check(self, parameters: Sequence[Parameter]) -> list[Parameter]:
         """Return the parameters as values of their declared types.
@@ -98,14 +119,17 @@ class ParameterStore(ParameterRules):
         self,
         overrides: Mapping[str, ParameterValue],
         report: Callable[[str], object] | None = None,
+        call_soon: Callable[[Callable[[], object]], object] | None = None,
     ) -> None:
         """Start without a parameter.
 
         Args:
             overrides: Values that override the defaults of the parameters declared later.
             report: As for `ParameterRules`.
+            call_soon: Queues a call for the spinning thread; by default it is made at once.
         """
         super().__init__(report)
+        self._call_soon = call_soon or (lambda call: call())
         self._overrides = overrides
         self._values: dict[str, Parameter] = {}
 
@@ -146,6 +170,7 @@ class ParameterStore(ParameterRules):
         result = self.ask(checked)
         if result.successful:
             self._values |= {parameter.name: parameter for parameter in checked}
+            self._call_soon(lambda: self.tell(checked))
         return result
 
 

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
-from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore
+from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
 from rosbase.errors import BackendError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
@@ -29,7 +29,7 @@ class LocalBackend(Backend):
         self._options = options
         self._bus = bus or process_bus()
         logger = make_logger(options.node_name, None, options.clock)
-        self._parameters = ParameterStore(options.parameter_overrides, logger.error)
+        self._parameters = ParameterStore(options.parameter_overrides, logger.error, self.call_soon)
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
         self._closed = False
@@ -91,6 +91,10 @@ class LocalBackend(Backend):
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` before parameters are set."""
         self._parameters.add_callback(callback)
+
+    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
+        """Call `callback` after parameters were set."""
+        self._parameters.add_post_callback(callback)
 
     def close(self) -> None:
         """Destroy everything that was created."""

@@ -13,6 +13,7 @@ from rosbase.manager.building import build, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
+from rosbase.parameters import given_parameters
 from rosbase.processes import (
     ChildProcesses,
     register_multiprocess_nodes,
@@ -331,6 +332,8 @@ class BaseManager(Constructed):
             # Again, because some may be attributes that were set after the constructor.
             check_methods(self, _PLAIN_METHODS)
             self._claim(processes, stop)
+            for line in given_parameters().unused(self._processes or ()):
+                self.logger.warning(line)
             self._wait_for_handshake()
             bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)

@@ -1,6 +1,12 @@
 """Parameters: names, types and values."""
 
 from rosbase.parameters.checking import check_value, did_you_mean
+from rosbase.parameters.given import (
+    GIVEN_VARIABLE,
+    GivenParameters,
+    GivenValue,
+    given_parameters,
+)
 from rosbase.parameters.kinds import (
     Parameter,
     ParameterKind,
@@ -17,6 +23,9 @@ from rosbase.parameters.written import (
 )
 
 __all__ = [
+    "GIVEN_VARIABLE",
+    "GivenParameters",
+    "GivenValue",
     "Parameter",
     "ParameterKind",
     "ParameterSpec",
@@ -27,6 +36,7 @@ __all__ = [
     "check_value",
     "did_you_mean",
     "from_outside",
+    "given_parameters",
     "parse_text",
     "parse_written",
 ]

@@ -8,7 +8,7 @@ from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
-from rosbase.logger import RosbaseLogger, make_logger
+from rosbase.logger import RosbaseLogger, apply_levels, make_logger
 from rosbase.roles.context import ManagerContext
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "DEFAULT_BACKEND",
     "backend_name",
     "connect",
+    "is_child",
     "lone_node_name",
     "name_lone_nodes",
     "open_backend",
@@ -44,7 +45,7 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     # Only now: finding plugins takes longer than everything else that `import rosbase` does.
     from rosbase.plugins import installed_plugins
 
-    options = evolve(options, is_child=bool(_lone_name))
+    options = evolve(options, is_child=is_child())
     return installed_plugins().backend(backend_name(backend)).create(options)
 
 
@@ -58,6 +59,7 @@ def open_logger(
         name: The name of the manager or node.
         custom: A class of the application, which is called with the name.
     """
+    apply_levels()
     return make_logger(
         backend.log_name or name,
         custom,
@@ -96,6 +98,11 @@ def name_lone_nodes(name: str) -> None:
     """Give that name to the nodes of this process that have no manager and no name."""
     global _lone_name  # noqa: PLW0603 - it concerns the process
     _lone_name = name
+
+
+def is_child() -> bool:
+    """Return whether a manager has started this process."""
+    return bool(_lone_name)
 
 
 def lone_node_name(node: object) -> str:

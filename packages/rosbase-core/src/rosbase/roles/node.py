@@ -15,10 +15,11 @@ from rosbase.parameters import (
     ParameterValue,
     SetParametersResult,
     check_value,
+    given_parameters,
 )
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
-from rosbase.roles.connection import connect, lone_node_name, open_backend, open_logger
+from rosbase.roles.connection import connect, is_child, lone_node_name, open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
@@ -146,12 +147,9 @@ class BaseNode(Constructed, Component):
         Raises:
             ParameterError: It exists already, or was set to an invalid value.
         """
-        spec = spec or ParameterSpec(name, value)
-        own, given = f"{self._key}.{name}", self._parameter_defaults
-        if own in given or name in given:
-            default = check_value(spec, given[own] if own in given else given[name])
-            spec = evolve(spec, default=default)
-        return self._connection.declare_parameter(spec)
+        return self._connection.declare_parameter(
+            self._as_given(spec or ParameterSpec(name, value))
+        )
 
     def get_parameter(self, name: str) -> Parameter:
         """Return a declared parameter; its `value` is the current one.
@@ -160,6 +158,10 @@ class BaseNode(Constructed, Component):
             ParameterError: It has not been declared.
         """
         return self._connection.get_parameter(name)
+
+    def set_parameter(self, name: str, value: ParameterValue) -> SetParametersResult:
+        """Set one parameter; return whether it was set, and the reason if not."""
+        return self.set_parameters([Parameter(name, value)])
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Set all parameters, or none.
@@ -178,6 +180,13 @@ class BaseNode(Constructed, Component):
         """
         check_callback(callback, "add_on_set_parameters_callback")
         self._connection.add_on_set_parameters_callback(callback)
+
+    def add_post_set_parameters_callback(
+        self, callback: Callable[[list[Parameter]], object]
+    ) -> None:
+        """Call `callback(parameters)` on the main-loop thread, soon after parameters were set."""
+        check_callback(callback, "add_post_set_parameters_callback")
+        self._connection.add_post_set_parameters_callback(callback)
 
     def start_spin_standalone(self) -> None:
         """Run a standalone node until SIGINT or SIGTERM, then clean up after it.
@@ -213,6 +222,16 @@ class BaseNode(Constructed, Component):
         if self.manager is None:
             self._backend.close()
 
+    def _as_given(self, spec: ParameterSpec) -> ParameterSpec:
+        """Return the declaration with the default that the program or its user gives instead."""
+        own, defaults = f"{self._key}.{spec.name}", self._parameter_defaults
+        if own in defaults or spec.name in defaults:
+            default = defaults[own] if own in defaults else defaults[spec.name]
+            spec = evolve(spec, default=check_value(spec, default))
+        main_node = self._backend.node_name
+        value = given_parameters().value_for(spec, self._key or main_node, main_node)
+        return spec if value is None else evolve(spec, default=value)
+
     @property
     def _label(self) -> str:
         """Name in the log: its key at the manager, or the name that others see."""
@@ -235,6 +254,9 @@ class BaseNode(Constructed, Component):
     def _run(self, stop: StopSignals | None) -> None:
         try:
             self._backend.begin_run(self._request_stop)
+            if not is_child():
+                for line in given_parameters().unused():
+                    self.logger.warning(line)
             self._begin()
             while not self._stop_requested:
                 deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S

@@ -1,0 +1,158 @@
+"""Values of parameters from outside the program, given before anybody has declared them.
+
+A value is for one node (`camera.fps`, or the section of a node in a file), or for every node
+(`fps`, or the section `/**`). Its type is that of the declaration. The values of a process are in
+an environment variable, so its child processes have them too.
+"""
+
+import json
+import os
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal
+
+from attrs import define, evolve, field, frozen
+
+from rosbase.errors import ConfigurationError
+from rosbase.parameters.checking import did_you_mean
+from rosbase.parameters.kinds import ParameterSpec, ParameterValue
+from rosbase.parameters.written import WrittenText, from_outside, parse_text, parse_written
+
+__all__ = ["GIVEN_VARIABLE", "GivenParameters", "GivenValue", "given_parameters"]
+
+GIVEN_VARIABLE = "ROSBASE_PARAMETERS"
+"""Environment variable with the values, as `GivenParameters.to_json` writes them."""
+
+_ANY = ("", "/**", "**")
+
+
+@frozen
+class GivenValue:
+    """A value, not yet checked."""
+
+    node: str
+    """Name of the node, or a pattern with `*` and `**`; empty for every node."""
+    name: str
+    """Name of the parameter, possibly with the name of a node in front."""
+    value: Any
+    """Value: text, a value of JSON, or for "yaml" the items of a list or one item."""
+    form: Literal["text", "typed", "yaml"]
+    """Whether it was typed after `:=`, comes from TOML, or is written in YAML."""
+
+
+@define
+class GivenParameters:
+    """All values given to a process. Later ones win, and those for one node win over `/**`."""
+
+    values: Sequence[GivenValue]
+    _used: set[int] = field(init=False, factory=set)
+    _declared: set[str] = field(init=False, factory=set)
+
+    @classmethod
+    def from_json(cls, text: str) -> "GivenParameters":
+        """Read the text that `to_json` has written.
+
+        Raises:
+            ConfigurationError: It is another text.
+        """
+        try:
+            return cls([GivenValue(*item) for item in json.loads(text)]) if text else cls([])
+        except (TypeError, ValueError) as error:
+            raise ConfigurationError(f"{GIVEN_VARIABLE} cannot be read: {error}") from error
+
+    def to_json(self) -> str:
+        """Return the values as text, for the environment."""
+        return json.dumps([[v.node, v.name, v.value, v.form] for v in self.values])
+
+    def value_for(self, spec: ParameterSpec, node: str, manager: str = "") -> ParameterValue | None:
+        """Return the value that a parameter is given; None if there is none.
+
+        Args:
+            spec: The declaration, with the name as the node knows it.
+            node: The name of the node.
+            manager: The name of its manager, if it shares the connection of one.
+
+        Raises:
+            ParameterError: The value is not one of the declared type.
+        """
+        full = f"{node}.{spec.name}"
+        self._declared.add(full)
+        exact = [
+            number
+            for number, given in enumerate(self.values)
+            if (given.name == spec.name and given.node not in _ANY and _matches(given.node, node))
+            or (given.name == full and (given.node in _ANY or _matches(given.node, manager)))
+        ]
+        general = [
+            number
+            for number, given in enumerate(self.values)
+            if given.name == spec.name and given.node in _ANY
+        ]
+        self._used.update(exact, general)
+        last = max(exact or general, default=None)
+        return None if last is None else _read(evolve(spec, name=full), self.values[last])
+
+    def unused(self, others: Iterable[str] = ()) -> list[str]:
+        """Return a line for each value that no node has declared.
+
+        Args:
+            others: Names of nodes in other processes.
+        """
+        lines = []
+        for number, given in enumerate(self.values):
+            if number not in self._used and not any(_is_for(given, other) for other in others):
+                name = given.name if given.node in _ANY else f"{given.node.strip('/')}.{given.name}"
+                lines.append(f"no node declares the parameter {name}{self._hint(name)}")
+        return lines
+
+    def _hint(self, name: str) -> str:
+        longer = sorted(one for one in self._declared if one.endswith(f".{name}"))
+        if longer:
+            return f"; did you mean {longer[0]}?"
+        if hint := did_you_mean(name, self._declared):
+            return hint
+        return did_you_mean(name, {one.partition(".")[2] for one in self._declared})
+
+
+def given_parameters() -> GivenParameters:
+    """Return the values given to this process, from its environment.
+
+    Raises:
+        ConfigurationError: The environment variable has another text.
+    """
+    text = os.environ.get(GIVEN_VARIABLE, "")
+    if not _known or _known[0][0] != text:
+        _known[:] = [(text, GivenParameters.from_json(text))]
+    return _known[0][1]
+
+
+_known: list[tuple[str, GivenParameters]] = []
+
+
+def _is_for(given: GivenValue, node: str) -> bool:
+    is_named = given.node not in _ANY and _matches(given.node, node)
+    return is_named or given.name.startswith(f"{node}.")
+
+
+def _matches(pattern: str, node: str) -> bool:
+    """Return whether the pattern of a file has the node: `*` is a part of a name, `**` any."""
+    parts = (
+        ".*" if part == "**" else "[^/]*".join(map(re.escape, part.split("*")))
+        for part in pattern.strip("/").split("/")
+    )
+    return bool(node) and re.fullmatch("/".join(parts), node.strip("/")) is not None
+
+
+def _read(spec: ParameterSpec, given: GivenValue) -> ParameterValue:
+    if given.form == "text":
+        return parse_text(spec, given.value)
+    if given.form == "typed":
+        return from_outside(spec, given.value)
+    if isinstance(given.value, list):
+        return parse_written(spec, tuple(_item(item) for item in given.value))
+    return parse_written(spec, _item(given.value))
+
+
+def _item(item: Any) -> WrittenText:
+    data = item.get("data")
+    return WrittenText(item["text"], item["quoted"], None if data is None else bytes(data))

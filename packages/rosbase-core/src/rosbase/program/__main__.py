@@ -1,0 +1,86 @@
+"""Run a program in this process: `python -m rosbase.program app.py` or `module:Manager`."""
+
+import runpy
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from rosbase.errors import ConfigurationError
+from rosbase.manager import BaseManager
+from rosbase.roles.node import BaseNode
+from rosbase.text.printable import MOST_LINE, one_line
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Run the program that the command line names; a usage error is one line and status 2."""
+    target = sys.argv[1]
+    del sys.argv[0]
+    try:
+        _run(target)
+    except ConfigurationError as error:
+        print(f"rosbase run: {one_line(str(error), MOST_LINE)}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _run(target: str) -> None:
+    if target.endswith(".py") or Path(target).is_file():
+        if not Path(target).is_file():
+            raise ConfigurationError(f"{target}: no such file")
+        sys.path[0] = str(Path(target).resolve().parent)
+        runpy.run_path(target, run_name="__main__")
+        return
+    module, _, name = target.partition(":")
+    if not name:
+        _find(module)
+        runpy.run_module(module, run_name="__main__", alter_sys=True)
+        return
+    start(_named(module, name), target)
+
+
+def start(program: Any, target: str) -> None:
+    """Start a manager or standalone node by its class, or call a function.
+
+    Raises:
+        ConfigurationError: It is something else.
+    """
+    if isinstance(program, type) and issubclass(program, BaseManager):
+        program().start_main_loop_timer()
+    elif isinstance(program, type) and issubclass(program, BaseNode):
+        program().start_spin_standalone()
+    elif callable(program) and not isinstance(program, type):
+        program()
+    else:
+        raise ConfigurationError(f"{target} is neither a manager nor a node nor a function")
+
+
+def _named(module: str, name: str) -> Any:
+    _find(module)
+    found: Any = import_module(module)
+    for part in name.split("."):
+        if not hasattr(found, part):
+            raise ConfigurationError(f"{module} has no {name}")
+        found = getattr(found, part)
+    return found
+
+
+def _find(module: str) -> None:
+    """Check that a module exists; the working directory counts.
+
+    Raises:
+        ConfigurationError: It does not exist.
+    """
+    try:
+        found = find_spec(module)
+    except (ModuleNotFoundError, ValueError):
+        # The package that should hold it does not exist.
+        found = None
+    if found is None:
+        raise ConfigurationError(f"there is no file or module {module!r}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,105 @@
+"""The arguments that every program can take: parameters, backend and log levels."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from rosbase.errors import ConfigurationError
+from rosbase.logger import LEVEL_VARIABLE, levels_in
+from rosbase.parameters import GIVEN_VARIABLE, GivenParameters, GivenValue
+from rosbase.program.files import read_file
+from rosbase.roles.connection import BACKEND_VARIABLE
+
+__all__ = ["add_arguments", "take_arguments"]
+
+_FOR_THE_BACKEND = "--ros-args"
+_END = "--"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise ConfigurationError(message)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `take_arguments` to a parser."""
+    parser.add_argument(
+        "-p",
+        dest="assignments",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        help="set a parameter, such as camera.fps:=30; without a node, for every node",
+    )
+    parser.add_argument(
+        "--params-file",
+        dest="files",
+        type=Path,
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="set parameters from a TOML file, or a YAML file of ROS 2",
+    )
+    parser.add_argument("--backend", metavar="NAME", help="the backend of programs that name none")
+    parser.add_argument(
+        "--log-level",
+        dest="levels",
+        metavar="[NAME:=]LEVEL",
+        action="append",
+        default=[],
+        help="log from this level on: debug, info, warn, error, fatal; for one logger with NAME:=",
+    )
+
+
+def take_arguments(
+    arguments: Sequence[str] | None = None, *, before: argparse.Namespace | None = None
+) -> list[str]:
+    """Take the arguments of `rosbase run` from a command line, and return the others.
+
+    These are `-p name:=value`, `--params-file FILE`, `--backend NAME` and
+    `--log-level [NAME:=]LEVEL`. Managers and nodes that are built later in this process, and in its
+    child processes, heed them. Arguments after `--ros-args` are left alone.
+
+    Args:
+        arguments: The command line without the program; by default that of this process.
+        before: Parsed arguments to which these are added.
+
+    Raises:
+        ConfigurationError: An argument or a file is invalid. The message is one line.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    limits = [words.index(word) for word in (_FOR_THE_BACKEND, _END) if word in words]
+    end = min(limits, default=len(words))
+    parser = _Parser(add_help=False, allow_abbrev=False)
+    add_arguments(parser)
+    taken, others = parser.parse_known_args(words[:end], before)
+    apply(taken)
+    return [*others, *words[end:]]
+
+
+def apply(taken: argparse.Namespace) -> None:
+    """Have the managers and nodes of this process heed parsed arguments.
+
+    Raises:
+        ConfigurationError: An argument or a file is invalid.
+    """
+    values = [value for file in taken.files for value in read_file(file)]
+    values += [_assigned(text) for text in taken.assignments]
+    if values:
+        os.environ[GIVEN_VARIABLE] = GivenParameters(values).to_json()
+    if taken.backend:
+        os.environ[BACKEND_VARIABLE] = taken.backend
+    if taken.levels:
+        text = ",".join(taken.levels)
+        levels_in(text)
+        os.environ[LEVEL_VARIABLE] = text
+
+
+def _assigned(text: str) -> GivenValue:
+    name, separator, value = text.partition(":=")
+    if not (separator and name.strip()):
+        raise ConfigurationError(f"-p takes name:=value, not {text!r}")
+    return GivenValue("", name.strip(), value, "text")
