@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from rosbase.contracts.backend import BackendOptions
-from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.node_connection import NodeConnection
+from rosbase.contracts.node_view import NodeView
+from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.errors import ParameterError
 from rosbase.local import LocalBackend
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
@@ -113,3 +115,35 @@ class AsksTooLate(LocalBackend):
     def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         self._parameters._values |= {parameter.name: parameter for parameter in parameters}
         return super().set_parameters(parameters)
+
+
+@breaks("callbacks-hear-what-was-set")
+class TellsNobody(LocalBackend):
+    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
+        pass
+
+
+@breaks("callbacks-hear-what-was-set")
+class TellsOfWhatItRefuses(LocalBackend):
+    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        result = super().set_parameters(parameters)
+        if not result.successful:
+            self.call_soon(lambda: self._parameters.tell(parameters))
+        return result
+
+
+@breaks("nodes-have-their-own-parameters")
+class HasOneNode(LocalBackend):
+    def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
+        return self
+
+
+@breaks("nodes-have-their-own-parameters")
+class AsksEveryNode(LocalBackend):
+    def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
+        return _AskingView(self, name, is_lifecycle=is_lifecycle)
+
+
+class _AskingView(NodeView):
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        self._shared.add_on_set_parameters_callback(callback)

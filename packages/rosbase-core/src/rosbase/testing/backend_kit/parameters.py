@@ -1,9 +1,11 @@
 """Checks of parameters."""
 
+import threading
 from functools import partial
 from itertools import starmap
 from typing import Any
 
+from rosbase.contracts.node_connection import NodeConnection
 from rosbase.errors import ParameterError
 from rosbase.parameters import (
     Parameter,
@@ -167,6 +169,38 @@ class ParameterChecks(BackendRig):
         promised.require(backend.set_parameters([Parameter("rate", 3)]).successful, "3 was refused")
         promised.require(backend.get_parameter("rate").value == 3.0, "3 was not set")
 
+    def test_callbacks_hear_what_was_set(self) -> None:
+        promised, backend = promise("callbacks-hear-what-was-set"), self.open()
+        backend.declare_parameter(ParameterSpec("rate", 1.5))
+        heard: list[tuple[ParameterValue, int]] = []
+        backend.add_post_set_parameters_callback(
+            lambda given: heard.extend((one.value, threading.get_ident()) for one in given)
+        )
+        backend.set_parameters([Parameter("rate", "fast")])
+        backend.set_parameters([Parameter("rate", 3)])
+        self.wait(promised, lambda: heard, lambda: "no callback was called", backend)
+        expected = [(3.0, threading.get_ident())]
+        promised.require(heard == expected, f"after rate was set to 3 it heard {heard}")
+
+    def test_nodes_have_their_own_parameters(self) -> None:
+        promised = promise("nodes-have-their-own-parameters")
+        backend = self.open(parameters={"left.rate": 2.5, "front.rate": 3.5})
+        asked: list[str] = []
+        nodes: dict[str, NodeConnection] = {}
+        for name, is_lifecycle in (("front", False), ("rear", False), ("left", True)):
+            node = nodes[name] = backend.open_node(name, is_lifecycle=is_lifecycle)
+            self.raises_nothing(
+                promised,
+                partial(node.declare_parameter, ParameterSpec("rate", 1.5)),
+                f"declaring the parameter rate of the node {name}",
+            )
+            node.add_on_set_parameters_callback(partial(_note, asked, name))
+        nodes["rear"].set_parameters([Parameter("rate", 4.5)])
+        promised.require(asked == ["rear"], f"when rate of rear was set, it asked {asked}")
+        found = {name: node.get_parameter("rate").value for name, node in nodes.items()}
+        expected = {"front": 3.5, "rear": 4.5, "left": 2.5}
+        promised.require(found == expected, f"they are {found}, and should be {expected}")
+
     def test_undeclared_parameters_are_errors(self) -> None:
         promised, backend = promise("undeclared-parameters-are-errors"), self.open()
         self.refuses(
@@ -180,3 +214,8 @@ class ParameterChecks(BackendRig):
 
 def _same(value: Any, expected: Any) -> bool:
     return type(value) is type(expected) and bool(value == expected)
+
+
+def _note(asked: list[str], name: str, parameters: list[Parameter]) -> SetParametersResult:
+    asked.append(name)
+    return SetParametersResult(successful=True)

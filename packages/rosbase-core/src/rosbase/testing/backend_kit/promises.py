@@ -141,6 +141,14 @@ _SENTENCES = {
         "Callbacks are asked before parameters are set, with the future values; a refused"
         " parameter keeps its value"
     ),
+    "callbacks-hear-what-was-set": (
+        "After parameters were set, callbacks are called with them, on the thread that spins;"
+        " a refused parameter causes no call"
+    ),
+    "nodes-have-their-own-parameters": (
+        "Nodes opened on a backend have parameters of their own, also of the same name; the"
+        " callbacks of one node are not asked about those of another"
+    ),
     "undeclared-parameters-are-errors": "An undeclared parameter is a ParameterError that names it",
     # The end.
     "destroyed-subscriptions-are-silent": (

@@ -1,0 +1,163 @@
+"""`rosbase run`: any program, with parameters, backend and log levels from outside."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from support.log_lines import without_times
+
+APP = """\
+    import sys
+    from typing import Any
+    from rosbase import BaseHandlers, BaseManager, BaseNode
+
+    class Camera(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.fps = self.declare_parameter("fps", 30).value
+            self.logger.debug("built")
+
+    class Stopping(BaseHandlers):
+        def handle(self) -> None:
+            cameras = {name: node.fps for name, node in self.nodes.items()}
+            print(cameras, sys.argv[1:], __name__)
+            self.manager.request_stop()
+
+    class Robot(BaseManager):
+        def __init__(self, **kwargs: Any) -> None:
+            cameras = {"front": Camera, "rear": Camera}
+            super().__init__("robot", cameras, handlers_class=Stopping, **kwargs)
+
+    def main() -> None:
+        Robot(log_freq=False).start_main_loop_timer()
+
+    number = 5
+
+    if __name__ == "__main__":
+        main()
+"""
+
+
+@pytest.fixture
+def app(tmp_path: Path) -> Path:
+    import textwrap
+
+    (tmp_path / "app.py").write_text(textwrap.dedent(APP))
+    return tmp_path
+
+
+def run(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+    done = subprocess.run(
+        [sys.executable, "-m", "rosbase", "run", *words],
+        cwd=folder, capture_output=True, text=True, check=False, timeout=40,
+        env={**os.environ, "ROSBASE_BACKEND": "local"},
+    )  # fmt: skip
+    done.stderr = without_times(done.stderr)
+    return done
+
+
+@pytest.mark.parametrize(
+    ("target", "module"),
+    [("app.py", "__main__"), ("app", "__main__"), ("app:Robot", "app"), ("app:main", "app")],
+)
+def test_a_file_a_module_a_class_or_a_function(app: Path, target: str, module: str) -> None:
+    done = run(app, target, "-p", "front.fps:=25", "own", "--flag")
+    assert done.stdout == f"{{'front': 25, 'rear': 30}} ['own', '--flag'] {module}\n", done.stderr
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_options_may_stand_before_and_after_the_program(app: Path) -> None:
+    (app / "robot.toml").write_text("fps = 1\n[rear]\nfps = 2\n")
+    done = run(app, "--params-file", "robot.toml", "-p", "rear.fps:=3", "app.py", "-p", "fps:=4")
+    assert done.stdout.startswith("{'front': 4, 'rear': 3} []"), done.stderr
+    done = run(app, "app.py", "-p", "fps:=4", "--", "-p", "fps:=5")
+    assert done.stdout.startswith("{'front': 4, 'rear': 4} ['--', '-p', 'fps:=5']"), done.stderr
+
+
+def test_levels_are_of_all_loggers_or_of_one(app: Path) -> None:
+    done = run(app, "app.py", "--log-level", "robot.rear:=debug")
+    assert done.stderr == "[DEBUG] [robot.rear]: built\n"
+    done = run(app, "app.py", "--log-level", "debug", "--log-level", "robot.front:=warn")
+    assert done.stderr == "[DEBUG] [robot.rear]: built\n"
+
+
+def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> None:
+    (tmp_path / "walker.py").write_text(
+        "from rosbase import BaseNode, BaseHandlers, BaseManager, register_multiprocess_nodes\n"
+        "class Walker(BaseNode):\n"
+        "    def __init__(self, manager=None, **kwargs):\n"
+        "        super().__init__(manager, **kwargs)\n"
+        "        print('pace', self.declare_parameter('pace', 1.0).value, flush=True)\n"
+        "        self.create_timer(0.05, self.request_stop)\n"
+        "class Waiting(BaseHandlers):\n"
+        "    def handle(self):\n"
+        "        if self.manager.processes['left'].exit_code is not None:\n"
+        "            self.manager.request_stop()\n"
+        "def main():\n"
+        "    children = register_multiprocess_nodes({'left': Walker})\n"
+        "    manager = BaseManager('robot', handlers_class=Waiting)\n"
+        "    manager.processes = children\n"
+        "    manager.start_main_loop_timer(children)\n"
+        "if __name__ == '__main__':\n"
+        "    main()\n"
+    )
+    done = run(tmp_path, "walker:Walker", "-p", "pace:=2", "-p", "peace:=3")
+    assert done.stdout == "pace 2.0\n", done.stderr
+    said = "no node declares the parameter peace; did you mean pace?"
+    assert done.stderr == f"[WARN] [Walker]: {said}\n"
+    done = run(tmp_path, "walker.py", "-p", "left.pace:=4")
+    assert "left: pace 4.0" in done.stderr, done.stderr
+    assert "no node declares" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["nope.py"], "rosbase run: nope.py: no such file"),
+        (["nope"], "rosbase run: there is no file or module 'nope'"),
+        (["no.pe:X"], "rosbase run: there is no file or module 'no.pe'"),
+        (["app:Nope"], "rosbase run: app has no Nope"),
+        (["app:number"], "rosbase run: app:number is neither a manager nor a node nor a function"),
+        (["app.py", "-p", "fps"], "rosbase: -p takes name:=value, not 'fps'"),
+        (["app.py", "-p", "front.fps:=x"],
+         "rosbase run: parameter front.fps takes a whole number, not 'x'"),
+        (["app.py", "--params-file", "x.toml"], "rosbase: x.toml: No such file or directory"),
+        (["app.py", "--backend", "warp"], "rosbase run: no backend 'warp'; installed: local"),
+        (["app.py", "--log-level", "loud"],
+         "rosbase: no log level is called 'loud': debug, info, warn, error, fatal"),
+        ([], "rosbase run: the following arguments are required: PROGRAM, ..."),
+    ],
+)  # fmt: skip
+def test_a_usage_error_is_one_line_and_status_2(app: Path, words: list[str], line: str) -> None:
+    done = run(app, *words)
+    assert (done.returncode, done.stderr, done.stdout) == (2, f"{line}\n", "")
+
+
+def test_an_error_of_the_program_keeps_its_traceback_and_its_status(tmp_path: Path) -> None:
+    (tmp_path / "app.py").write_text("import sys\nif sys.argv[1:]: sys.exit(7)\n1 / 0\n")
+    done = run(tmp_path, "app.py")
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (
+        1, "ZeroDivisionError: division by zero",
+    )  # fmt: skip
+    assert run(tmp_path, "app.py", "x").returncode == 7
+
+
+def test_a_program_takes_the_same_arguments_with_one_call(app: Path) -> None:
+    (app / "own.py").write_text(
+        "import argparse\n"
+        "from rosbase import take_arguments\n"
+        "from app import Robot\n"
+        "parser = argparse.ArgumentParser()\n"
+        "parser.add_argument('--name')\n"
+        "print(parser.parse_args(take_arguments()).name)\n"
+        "Robot().start_main_loop_timer()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "own.py", "-p", "front.fps:=25", "--name", "ann"],
+        cwd=app, capture_output=True, text=True, check=False, timeout=40,
+    )  # fmt: skip
+    assert done.stdout.splitlines()[0] == "ann", done.stderr
+    assert done.stdout.splitlines()[1].startswith("{'front': 25, 'rear': 30}")
