@@ -22,21 +22,27 @@ WORDS = st.lists(st.sampled_from(["-p", "a:=b", "--far-args", "--", ""]))
 
 
 def test_what_follows_the_word_of_a_backend_is_not_for_the_command() -> None:
-    own, found = split_arguments(["imu", "-p", "a:=b", "--far-args", "-p", "c:=d"], BACKENDS)
+    words = ["imu", "-p", "a:=b", "--far-args", "-p", "c:=d"]
+    own, found, theirs = split_arguments(words, BACKENDS)
     assert own == ["imu", "-p", "a:=b"]
     assert found == {"--far-args": "far"}
+    assert theirs == ["--far-args", "-p", "c:=d"]
 
 
 def test_two_dashes_end_it() -> None:
-    own, _ = split_arguments(["imu", "--far-args", "-p", "c:=d", "--", "--duration", "1"], BACKENDS)
+    words = ["imu", "--far-args", "-p", "c:=d", "--", "--duration", "1"]
+    own, _, theirs = split_arguments(words, BACKENDS)
     assert own == ["imu", "--duration", "1"]
+    assert theirs == ["--far-args", "-p", "c:=d", "--"]
 
 
 @given(WORDS)
 def test_what_is_left_is_in_order_and_without_the_word(words: list[str]) -> None:
-    own, found = split_arguments(words, BACKENDS)
-    rest = iter(words)
+    own, found, theirs = split_arguments(words, BACKENDS)
+    rest, others = iter(words), iter(words)
     assert all(word in rest for word in own)
+    assert all(word in others for word in theirs)
+    assert len(own) + len(theirs) == len(words)
     assert "--far-args" not in own
     assert bool(found) is ("--far-args" in words)
     if not found:

@@ -7,8 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase.errors import ConfigurationError, ParameterError
-from rosbase.parameters import GivenParameters, GivenValue, ParameterSpec, given_parameters
-from rosbase.parameters.given import GIVEN_VARIABLE
+from rosbase.parameters import ParameterSpec
+from rosbase.parameters.given import (
+    GIVEN_VARIABLE,
+    GivenParameters,
+    GivenValue,
+    given_parameters,
+)
 from rosbase.program.files import read_file
 
 FPS = ParameterSpec("fps", 30)

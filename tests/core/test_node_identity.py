@@ -124,7 +124,7 @@ def test_a_program_may_use_the_name_for_something_else() -> None:
     class Assigning(Camera):
         def __init__(self, manager: Any = None, **kwargs: Any) -> None:
             super().__init__(manager, **kwargs)
-            self.name = self.node = self.latest = "mine"  # type: ignore[assignment]
+            self.name = self.node = self.latest = "mine"
 
     class Having(Camera):
         @property
@@ -186,8 +186,13 @@ def test_a_stand_in_for_a_manager_needs_only_what_the_node_uses() -> None:
 def test_an_undeclared_override_names_the_parameter_of_the_node(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    app = manager({"front": Camera}, {"fps": 5})
+    app = manager({"front": Camera}, {"front.fsp": 5, "fps": 6})
     while app.backend.spin_once(0.0):
         pass
-    said = "parameter fps is set from outside, but this node does not declare it"
-    assert f"{said}; did you mean front.fps?" in caplog.messages
+    said = "parameter front.fsp is set from outside, but this node does not declare it"
+    assert caplog.messages == [f"{said}; did you mean front.fps?"]
+
+
+def test_an_override_without_a_node_is_for_every_node() -> None:
+    app = manager({"front": Camera, "rear": Camera, "arm": Arm}, {"fps": 5, "rear.fps": 6})
+    assert [app.nodes[key].fps for key in ("front", "rear")] == [5, 6]

@@ -139,6 +139,12 @@ class HasOneNode(LocalBackend):
 
 
 @breaks("nodes-have-their-own-parameters")
+class TakesNothingForEveryNode(LocalBackend):
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+        return super().declare_parameter(evolve(spec, general_name=""))
+
+
+@breaks("nodes-have-their-own-parameters")
 class AsksEveryNode(LocalBackend):
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         return _AskingView(self, name, is_lifecycle=is_lifecycle)

@@ -88,8 +88,9 @@ class Ros2Backend(RosNode, Backend):
         check_node_name(name)
         self._process.check_open()
         start = f"{name}."
-        given = self._process.options.parameter_overrides.items()
-        values = {key.removeprefix(start): value for key, value in given if key.startswith(start)}
+        given = self._process.options.parameter_overrides
+        own = {key.removeprefix(start): given[key] for key in given if key.startswith(start)}
+        values = {**given, **own}
         node = start_other_node(self._process.context, name, values)
         other = OtherNode(self)
         try:

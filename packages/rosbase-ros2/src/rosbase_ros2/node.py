@@ -204,8 +204,8 @@ class RosNode(NodeConnection):
         return super().imu_sender(publisher, template)
 
     def has_parameter(self, name: str) -> bool:
-        """Return whether the node has declared a parameter."""
-        return bool(self.node.has_parameter(name))
+        """Return whether the node has declared a parameter, or takes one for every node."""
+        return name in self._parameters.general_names or bool(self.node.has_parameter(name))
 
     # The end, step by step: `Ros2Backend.close` takes each with all nodes.
 

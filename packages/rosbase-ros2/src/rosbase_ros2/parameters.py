@@ -62,11 +62,15 @@ class Overrides:
         Raises:
             ParameterError: Its given value is invalid.
         """
-        if spec.name in self.of_program:
-            return check_value(spec, self.of_program[spec.name])
-        if spec.name not in self.guessed:
-            return check_value(spec, spec.default)
-        guessed, texts = _plain(self.guessed[spec.name]), self.written.get(spec.name, ())
+        for name in filter(None, (spec.name, spec.general_name)):
+            if name in self.of_program:
+                return check_value(spec, self.of_program[name])
+            if name in self.guessed:
+                return self._given(spec, name)
+        return check_value(spec, spec.default)
+
+    def _given(self, spec: ParameterSpec, name: str) -> ParameterValue:
+        guessed, texts = _plain(self.guessed[name]), self.written.get(name, ())
         # rcl keeps the first of two types that it guesses for one parameter, not the last.
         is_known = any(text is not None and is_guess_of(guessed, text) for text in texts)
         if is_known and (last := texts[-1]) is not None:
@@ -103,6 +107,8 @@ class RosParameters:
         self._node = node
         self._overrides = overrides
         self._rules = ParameterRules(report)
+        self.general_names: set[str] = set()
+        """Names under which declared parameters take a value that is given to every node."""
         self._questions = questions
         self._refusals = refusals
         self.add_callback = self._rules.add_callback
@@ -134,6 +140,7 @@ class RosParameters:
             parameter = RosParameter(spec.name, _TYPES[spec.kind], value)
             self._change(self._node.set_parameters, [parameter])
         self._rules.add(spec)
+        self.general_names.add(spec.general_name)
         return Parameter(spec.name, value)
 
     def get(self, name: str) -> Parameter:

@@ -84,7 +84,9 @@ class NodeView(NodeConnection):
     def declare_parameter(self, spec: ParameterSpec) -> Parameter:
         """Declare a parameter; others see it with the name of the node in front."""
         return self._inner(
-            self._shared.declare_parameter(evolve(spec, name=self._prefix + spec.name))
+            self._shared.declare_parameter(
+                evolve(spec, name=self._prefix + spec.name, general_name=spec.name)
+            )
         )
 
     def get_parameter(self, name: str) -> Parameter:

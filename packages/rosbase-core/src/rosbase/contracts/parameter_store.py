@@ -131,6 +131,7 @@ class ParameterStore(ParameterRules):
         super().__init__(report)
         self._call_soon = call_soon or (lambda call: call())
         self._overrides = overrides
+        self._general_names: set[str] = set()
         self._values: dict[str, Parameter] = {}
 
     def declare(self, spec: ParameterSpec) -> Parameter:
@@ -141,14 +142,17 @@ class ParameterStore(ParameterRules):
         """
         if self.find(spec.name) is not None:
             raise ParameterError(f"parameter {spec.name} is declared twice")
-        value = check_value(spec, self._overrides.get(spec.name, spec.default))
+        given = self._overrides.get(spec.general_name, spec.default)
+        value = check_value(spec, self._overrides.get(spec.name, given))
         self.add(spec)
+        self._general_names.add(spec.general_name)
         self._values[spec.name] = Parameter(spec.name, value)
         return self._values[spec.name]
 
     def name_undeclared(self, warn: Callable[[str], object]) -> None:
         """Warn of overrides for parameters that were never declared."""
-        name_undeclared(self._overrides, self._values, warn)
+        given = [name for name in self._overrides if name not in self._general_names]
+        name_undeclared(given, self._values, warn)
 
     def get(self, name: str) -> Parameter:
         """Return the parameter with its current value.

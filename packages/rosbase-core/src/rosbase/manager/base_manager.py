@@ -13,7 +13,7 @@ from rosbase.manager.building import build, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
-from rosbase.parameters import given_parameters
+from rosbase.parameters.given import given_parameters
 from rosbase.processes import (
     ChildProcesses,
     register_multiprocess_nodes,

@@ -1,12 +1,6 @@
 """Parameters: names, types and values."""
 
 from rosbase.parameters.checking import check_value, did_you_mean
-from rosbase.parameters.given import (
-    GIVEN_VARIABLE,
-    GivenParameters,
-    GivenValue,
-    given_parameters,
-)
 from rosbase.parameters.kinds import (
     Parameter,
     ParameterKind,
@@ -23,9 +17,6 @@ from rosbase.parameters.written import (
 )
 
 __all__ = [
-    "GIVEN_VARIABLE",
-    "GivenParameters",
-    "GivenValue",
     "Parameter",
     "ParameterKind",
     "ParameterSpec",
@@ -36,7 +27,6 @@ __all__ = [
     "check_value",
     "did_you_mean",
     "from_outside",
-    "given_parameters",
     "parse_text",
     "parse_written",
 ]

@@ -116,3 +116,8 @@ class ParameterSpec:
     """Maximum; for arrays, of each element."""
     read_only: bool = field(kw_only=True, default=False)
     """Whether the value cannot change after the declaration."""
+    general_name: str = field(kw_only=True, default="")
+    """Name under which a value for every node is given from outside; empty if there is none.
+
+    It counts if nothing is given under `name`. A manager sets it for `camera.fps` to `fps`.
+    """

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from rosbase.errors import ConfigurationError
-from rosbase.logger import LEVEL_VARIABLE, levels_in
-from rosbase.parameters import GIVEN_VARIABLE, GivenParameters, GivenValue
+from rosbase.logger.environment import LEVEL_VARIABLE, levels_in
+from rosbase.parameters.given import GIVEN_VARIABLE, GivenParameters, GivenValue
 from rosbase.program.files import read_file
 from rosbase.roles.connection import BACKEND_VARIABLE
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from rosbase.errors import ConfigurationError
-from rosbase.parameters import GivenValue, Written, WrittenText
+from rosbase.parameters import Written, WrittenText
+from rosbase.parameters.given import GivenValue
 from rosbase.text.printable import one_line
 
 __all__ = ["flatten", "read_file", "read_toml"]

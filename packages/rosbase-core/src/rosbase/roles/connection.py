@@ -8,7 +8,8 @@ from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
-from rosbase.logger import RosbaseLogger, apply_levels, make_logger
+from rosbase.logger import RosbaseLogger, make_logger
+from rosbase.logger.environment import apply_levels
 from rosbase.roles.context import ManagerContext
 
 __all__ = [

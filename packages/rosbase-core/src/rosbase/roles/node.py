@@ -15,8 +15,8 @@ from rosbase.parameters import (
     ParameterValue,
     SetParametersResult,
     check_value,
-    given_parameters,
 )
+from rosbase.parameters.given import given_parameters
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
 from rosbase.roles.connection import connect, is_child, lone_node_name, open_backend, open_logger

@@ -184,7 +184,7 @@ class ParameterChecks(BackendRig):
 
     def test_nodes_have_their_own_parameters(self) -> None:
         promised = promise("nodes-have-their-own-parameters")
-        backend = self.open(parameters={"left.rate": 2.5, "front.rate": 3.5})
+        backend = self.open(parameters={"left.rate": 2.5, "rate": 3.5})
         asked: list[str] = []
         nodes: dict[str, NodeConnection] = {}
         for name, is_lifecycle in (("front", False), ("rear", False), ("left", True)):

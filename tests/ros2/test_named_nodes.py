@@ -1,0 +1,208 @@
+"""Each lifecycle node of a manager is a ROS node of its own; the others share the manager's."""
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import Log
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from rosbase import (
+    BackendError,
+    BackendOptions,
+    BaseManager,
+    BaseNode,
+    CallbackReturn,
+    LifecycleNode,
+    Parameter,
+    State,
+)
+from rosbase.messages import Imu, String
+from rosbase_ros2.backend import Ros2Backend
+from support.ros import Client, Open, ParameterTool, params_file, spin_until
+from support.waiting import wait_until
+
+SIDES = ("left", "right", "top")
+_KEPT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Arm(LifecycleNode):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        self.speed = self.declare_parameter("speed", 1.0).value
+        self.words = self.create_publisher(String, "~/words")
+
+    def on_configure(self, previous_state: State) -> CallbackReturn:
+        self.logger.warning("configured")
+        return CallbackReturn.SUCCESS
+
+
+class Camera(BaseNode):
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        self.fps = self.declare_parameter("fps", 30).value
+
+
+def manager(backend: Ros2Backend, **nodes: Any) -> BaseManager:
+    return BaseManager("driver", nodes, backend=backend)
+
+
+def beside(backend: Ros2Backend, work: Callable[[], None]) -> None:
+    """Does the work of a client on another thread, while the main loop runs."""
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    spin_until(backend, lambda: not thread.is_alive())
+    if errors:
+        raise errors[0]
+
+
+@pytest.fixture
+def clients(context: Any) -> Iterator[Callable[[str], Client]]:
+    made: list[Client] = []
+
+    def make(server: str) -> Client:
+        made.append(Client(context, server))
+        return made[-1]
+
+    yield make
+    for client in made:
+        client.destroy()
+
+
+def test_three_lifecycle_nodes_are_driven_separately(
+    opened: Open, clients: Callable[[str], Client]
+) -> None:
+    app = manager(opened(), **dict.fromkeys(SIDES, Arm))
+    states: list[dict[str, str]] = []
+
+    def drive() -> None:
+        found = {side: clients(side) for side in SIDES}
+        for client in found.values():
+            client.await_services()
+        for side, label in (("right", "configure"), ("left", "configure"), ("right", "activate")):
+            assert found[side].change(label=label)
+            states.append({name: client.state() for name, client in found.items()})
+
+    beside(app.backend, drive)  # type: ignore[arg-type]
+    app.backend.close()
+    assert [tuple(state.values()) for state in states] == [
+        ("unconfigured", "inactive", "unconfigured"),
+        ("inactive", "inactive", "unconfigured"),
+        ("inactive", "active", "unconfigured"),
+    ]
+
+
+def test_each_has_its_own_parameters_on_its_own_node(opened: Open, context: Any) -> None:
+    backend = opened(
+        "-p", "left:speed:=7.0", parameter_overrides={"right.speed": 8, "top.speed": 9}
+    )
+    app = manager(backend, front=Camera, **dict.fromkeys(SIDES, Arm))
+    assert [app.nodes[side].speed for side in SIDES] == [7.0, 8.0, 9.0]
+
+    def drive() -> None:
+        tools = {name: ParameterTool(context, name) for name in ("driver", *SIDES)}
+        assert tools["left"].set("speed", "3").successful
+        assert not tools["left"].set("speed", "fast").successful
+        assert tools["driver"].set("front.fps", "15").successful
+        assert [tools[side].get("speed")[0].double_value for side in SIDES] == [3.0, 8.0, 9.0]
+        for tool in tools.values():
+            tool.destroy()
+
+    beside(backend, drive)
+    assert app.nodes["left"].get_parameter("speed") == Parameter("speed", 3.0)
+    assert app.nodes["front"].get_parameter("fps") == Parameter("fps", 15)
+
+
+def test_the_log_and_the_topics_have_the_name_of_the_node(opened: Open, context: Any) -> None:
+    app = manager(opened("-r", "__ns:=/cell"), front=Camera, left=Arm, driver=Arm)
+    heard: list[tuple[str, str]] = []
+    client = Client(context, "cell/left")
+    client.node.create_subscription(
+        Log, "/rosout", lambda log: heard.append((log.name, log.msg)), _KEPT
+    )
+    for name in ("left", "driver"):
+        app.nodes[name].trigger_configure()
+    app.nodes["front"].logger.warning("seen")
+    expected = {
+        ("cell.left", "configured"), ("cell.driver", "configured"), ("cell.driver.front", "seen"),
+    }  # fmt: skip
+
+    def arrived() -> bool:
+        client.executor.spin_once(timeout_sec=0.02)
+        return expected <= set(heard)
+
+    wait_until(arrived, f"{expected} on /rosout")
+    client.destroy()
+    topics = [app.nodes[name].words.topic for name in ("left", "driver")]
+    assert topics == ["/cell/left/words", "/cell/driver/words"]
+
+
+def test_the_command_line_names_the_node_of_the_manager_only(opened: Open) -> None:
+    backend = opened("-r", "__node:=eve", "-r", "__ns:=/cell")
+    app = manager(backend, left=Arm, driver=Arm, front=Camera)
+    names = {f"{space}/{name}" for name, space in backend.node.get_node_names_and_namespaces()}
+    assert {"/cell/eve", "/cell/left"} <= names
+    assert not {"/cell/driver", "/cell/front"} & names
+    assert app.nodes["driver"].words.topic == "/cell/eve/words"
+
+
+def test_a_topic_has_one_type_in_all_nodes_of_a_program(opened: Open) -> None:
+    app = manager(opened(), left=Arm, right=Arm)
+    app.nodes["left"].create_publisher(String, "words")
+    with pytest.raises(BackendError, match=r"it carries .*String, so it cannot carry .*Imu"):
+        app.nodes["right"].create_subscription(Imu, "words", print)
+
+
+def test_names_that_ros_refuses_are_refused_before_anything_is_opened(opened: Open) -> None:
+    backend = opened()
+    with pytest.raises(BackendError, match="'left-arm' is not a node name"):
+        manager(backend, **{"left-arm": Arm})
+
+
+def test_what_no_node_takes_is_named_once(
+    opened: Open, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = params_file(tmp_path, "left: {ros__parameters: {speed: 2.0}}")
+    backend = opened("-p", "speed:=3.0", "-p", "fps:=5", "-p", "spede:=4.0", "--params-file", file)
+    app = manager(backend, front=Camera, left=Arm, right=Arm)
+    assert (app.nodes["front"].fps, app.nodes["right"].speed) == (5, 3.0)
+    while backend.spin_once(0.0):
+        pass
+    said = "is set from outside, but this node does not declare it"
+    (message,) = caplog.messages
+    assert message.startswith(f"parameter spede {said}")
+
+
+def test_a_file_for_no_node_is_named(
+    opened: Open, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = params_file(tmp_path, "lift: {ros__parameters: {speed: 2.0}}")
+    backend = opened("--params-file", file)
+    manager(backend, left=Arm)
+    while backend.spin_once(0.0):
+        pass
+    assert caplog.messages == [f"{file} has no parameters for /driver, /left, only for /lift"]
+
+
+def test_a_node_whose_constructor_fails_is_gone_with_the_others(opened: Open) -> None:
+    class Failing(Arm):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            raise RuntimeError("broken")
+
+    watching = Ros2Backend(BackendOptions("watching"))
+    with pytest.raises(RuntimeError, match="broken"):
+        manager(opened(), left=Arm, right=Failing)
+    spin_until(watching, lambda: "left" not in watching.node.get_node_names())
+    assert "right" not in watching.node.get_node_names()
+    watching.close()
