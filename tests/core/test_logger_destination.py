@@ -23,8 +23,8 @@ logger.warning("hot")
 manager.destroy_node()
 """
 
-OURS = "[INFO] [boss]: ready\n[WARN] [boss]: hot\n"
-THEIRS = "INFO:rosbase.boss:ready\nWARNING:rosbase.boss:hot\n"
+OURS = "[INFO] [boss.camera]: ready\n[WARN] [boss.camera]: hot\n"
+THEIRS = "INFO:rosbase.boss.camera:ready\nWARNING:rosbase.boss.camera:hot\n"
 
 FILE_CONFIG = """
 import io, logging.config
@@ -120,7 +120,7 @@ def test_a_library_that_asks_for_more_gets_the_lines_once_in_its_format(
     level: str, when: str
 ) -> None:
     code = f"import logging; logging.basicConfig(level='{level}')"
-    looking = "" if level == "INFO" else "DEBUG:rosbase.boss:looking\n"
+    looking = "" if level == "INFO" else "DEBUG:rosbase.boss.camera:looking\n"
     assert run(**{when: code}) == ("", looking + THEIRS)
 
 
@@ -135,7 +135,7 @@ APPLICATIONS = {
     ),
     "basicConfig for another stream": (
         "import logging; logging.basicConfig(stream=sys.stdout)",
-        ("WARNING:rosbase.boss:hot\n", ""),
+        ("WARNING:rosbase.boss.camera:hot\n", ""),
     ),
     "basicConfig after a library spoke": (
         "import logging; logging.info('lib');"
@@ -148,10 +148,10 @@ APPLICATIONS = {
     ),
     "dictConfig at INFO": (
         ROOT_DICT.replace("LEVEL", "INFO"),
-        ("", "rosbase.boss ready\nrosbase.boss hot\n"),
+        ("", "rosbase.boss.camera ready\nrosbase.boss.camera hot\n"),
     ),
-    "dictConfig at WARNING": (ROOT_DICT.replace("LEVEL", "WARNING"), ("", "rosbase.boss hot\n")),
-    "fileConfig": (FILE_CONFIG, ("", "rosbase.boss ready\nrosbase.boss hot\n")),
+    "dictConfig at WARNING": (ROOT_DICT.replace("LEVEL", "WARNING"), ("", "rosbase.boss.camera hot\n")),
+    "fileConfig": (FILE_CONFIG, ("", "rosbase.boss.camera ready\nrosbase.boss.camera hot\n")),
     "a handler of rosbase's logger": (
         "import logging; ours = logging.getLogger('rosbase'); ours.setLevel('DEBUG');"
         " ours.addHandler(logging.StreamHandler(sys.stdout))",
@@ -169,19 +169,19 @@ APPLICATIONS = {
     ),
     "a level of rosbase's logger": (
         "import logging; logging.getLogger('rosbase').setLevel('WARNING')",
-        ("", "[WARN] [boss]: hot\n"),
+        ("", "[WARN] [boss.camera]: hot\n"),
     ),
     "a lower level of rosbase's logger": (
         "import logging; logging.info('lib'); logging.getLogger('rosbase').setLevel('DEBUG')",
-        ("", "[DEBUG] [boss]: looking\n" + OURS),
+        ("", "[DEBUG] [boss.camera]: looking\n" + OURS),
     ),
     "a level of one logger": (
-        "import logging; logging.getLogger('rosbase.boss').setLevel('ERROR')",
+        "import logging; logging.getLogger('rosbase.boss.camera').setLevel('ERROR')",
         ("", ""),
     ),
     "logging.disable": (
         "import logging; logging.disable(logging.INFO)",
-        ("", "[WARN] [boss]: hot\n"),
+        ("", "[WARN] [boss.camera]: hot\n"),
     ),
 }
 
@@ -205,7 +205,7 @@ def test_a_handler_that_an_application_adds_later_takes_over() -> None:
         "logger.info('first'); import logging;"
         " logging.basicConfig(format='app: %(message)s', level='INFO')"
     )
-    assert run(after=after) == ("", "[INFO] [boss]: first\napp: ready\napp: hot\n")
+    assert run(after=after) == ("", "[INFO] [boss.camera]: first\napp: ready\napp: hot\n")
 
 
 def test_caplog_has_the_lines_and_the_console_none(

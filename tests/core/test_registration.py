@@ -220,7 +220,7 @@ def test_init_custom_variables_is_called_before_the_first_component() -> None:
     manager.destroy_node()
 
 
-def test_one_logger_and_one_connection_serve_the_manager_and_everything_attached() -> None:
+def test_one_connection_serves_the_manager_and_everything_attached() -> None:
     manager = BaseManager(
         "boss",
         {"camera": Camera},
@@ -231,9 +231,9 @@ def test_one_logger_and_one_connection_serve_the_manager_and_everything_attached
     assert manager.handlers is not None
     components = [manager.nodes["camera"], manager.agents["brain"], manager.handlers]
     assert all(component.manager is manager for component in components)
-    assert all(component.logger is manager.logger for component in components)
     assert isinstance(manager.logger, RosbaseLogger)
-    assert manager.logger.name == "boss"
+    names = [component.logger.name for component in components]
+    assert [manager.logger.name, *names] == ["boss", "boss.camera", "boss", "boss"]
     assert manager.nodes["camera"].get_clock() is manager.agents["brain"].get_clock()
     assert manager.nodes["camera"].get_clock() is manager.backend.clock
     manager.destroy_node()

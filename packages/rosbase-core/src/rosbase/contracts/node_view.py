@@ -41,7 +41,8 @@ class NodeView(NodeConnection):
             self.log_name = self.node_name.replace("/", ".")
         else:
             self.node_name = shared.node_name
-            self.log_name = f"{shared.log_name or shared.node_name}.{name}"
+            # Below the name of the manager's logger, as it says.
+            self.log_name = None
         self.log_handler = shared.log_handler
         self.has_console_log = shared.has_console_log
         self.clock = shared.clock

@@ -89,7 +89,7 @@ def connect(
     if manager.registration.has_custom_logger:
         # A class of the application may open a file: one is enough.
         return node, manager.logger
-    return node, open_logger(node, key)
+    return node, open_logger(node, f"{manager.logger.name}.{key}")
 
 
 _lone_name = ""
