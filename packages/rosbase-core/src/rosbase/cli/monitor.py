@@ -47,8 +47,8 @@ class SampleMonitor(BaseNode):
     ) -> None:
         """Subscribe; with `echo`, pass each sample to it as a line of JSON."""
         super().__init__(manager, *args, **kwargs)
-        # The parameters of the reader are those of the manager that they share.
-        topic_namespace = self.get_parameter("topic_namespace").value
+        # The reader is the own node of the manager.
+        topic_namespace = self._backend.get_parameter("topic_namespace").value
         self._now_ns = self.get_clock().now_ns
         self._echo = echo
         self.last: Imu | MagneticField | None = None
