@@ -168,12 +168,12 @@ manager.destroy_node()
     [
         (
             "",
-            "[INFO] [boss]: said as info\n[WARN] [boss]: said as warning\n"
-            "[ERROR] [boss]: said as error\n[FATAL] [boss]: said as critical\n",
+            "[INFO] [boss.camera]: said as info\n[WARN] [boss.camera]: said as warning\n"
+            "[ERROR] [boss.camera]: said as error\n[FATAL] [boss.camera]: said as critical\n",
         ),
         (
             "import logging; logging.basicConfig(format='%(name)s %(message)s', level='ERROR')",
-            "rosbase.boss said as error\nrosbase.boss said as critical\n",
+            "rosbase.boss.camera said as error\nrosbase.boss.camera said as critical\n",
         ),
     ],
     ids=["nothing is configured", "logging is configured"],

@@ -150,7 +150,10 @@ APPLICATIONS = {
         ROOT_DICT.replace("LEVEL", "INFO"),
         ("", "rosbase.boss.camera ready\nrosbase.boss.camera hot\n"),
     ),
-    "dictConfig at WARNING": (ROOT_DICT.replace("LEVEL", "WARNING"), ("", "rosbase.boss.camera hot\n")),
+    "dictConfig at WARNING": (
+        ROOT_DICT.replace("LEVEL", "WARNING"),
+        ("", "rosbase.boss.camera hot\n"),
+    ),
     "fileConfig": (FILE_CONFIG, ("", "rosbase.boss.camera ready\nrosbase.boss.camera hot\n")),
     "a handler of rosbase's logger": (
         "import logging; ours = logging.getLogger('rosbase'); ours.setLevel('DEBUG');"

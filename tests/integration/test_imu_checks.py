@@ -117,7 +117,9 @@ def test_lines_that_lost_bytes_between_them_do_not_pass_with_a_checksum(
     spliced = first[: first.index(b'"accel_y"')] + second[second.index(b'"accel_y"') :]
     options = ("-p", "preset:=mpu6050", "-p", "checksum:=crc32", "--topic-echo")
     with reading(port, *options) as reader:
-        send_until(lambda: port.write(spliced + b"\r\n"), reader, "bad_checksum (crc32 of the line is ")
+        send_until(
+            lambda: port.write(spliced + b"\r\n"), reader, "bad_checksum (crc32 of the line is "
+        )
         port.write(second + b"\r\n")
         reader.waits_for('"x":3.5', where=reader.out)
         assert reader.end(signal.SIGINT) == 0

@@ -251,8 +251,7 @@ FAILED = "configure failed, now unconfigured: /dev/nope is not there"
     ("arguments", "line"),
     [
         ([], "[ERROR] [lifecycle_manager]: "),
-        # The key of the node in its manager is not the name on the graph then.
-        (["-r", "__node:=left", "-r", "__ns:=/robot"], "[ERROR] [robot.left]: lifecycle_manager: "),
+        (["-r", "__node:=left", "-r", "__ns:=/robot"], "[ERROR] [robot.left]: "),
         (["--log-level", "fatal"], ""),
         (["--log-level", "lifecycle_manager:=fatal"], ""),
         (["--disable-stdout-logs"], ""),

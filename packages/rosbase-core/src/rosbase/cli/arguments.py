@@ -16,7 +16,7 @@ from rosbase.parameters import (
     from_outside,
     parse_text,
 )
-from rosbase.program.files import flatten, read_toml
+from rosbase.program.files import read_toml
 from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = [
@@ -161,7 +161,7 @@ def _read_file(file: Path | None) -> dict[str, Any]:
     if file is None:
         return {}
     try:
-        return flatten(read_toml(file))
+        return read_toml(file)
     except ConfigurationError as error:
         is_of_ros = file.suffix in (".yaml", ".yml") and file.exists()
         hint = "; a parameter file of ROS is given behind --ros-args" if is_of_ros else ""

@@ -11,7 +11,7 @@ from rosbase.parameters import Written, WrittenText
 from rosbase.parameters.given import GivenValue
 from rosbase.text.printable import one_line
 
-__all__ = ["flatten", "read_file", "read_toml"]
+__all__ = ["read_file", "read_toml"]
 
 _OF_ROS = (".yaml", ".yml")
 _DATES = (datetime.date, datetime.time)
@@ -29,7 +29,7 @@ def read_file(file: Path) -> list[GivenValue]:
     if file.suffix in _OF_ROS:
         return list(_read_yaml(file))
     values = []
-    for name, value in flatten(read_toml(file)).items():
+    for name, value in read_toml(file).items():
         if isinstance(value, _DATES):
             raise ConfigurationError(f"{file}: {name} is a date; write text in quotes")
         values.append(GivenValue("", name.removeprefix(f"{_ANY}."), value, "typed"))
@@ -37,25 +37,25 @@ def read_file(file: Path) -> list[GivenValue]:
 
 
 def read_toml(file: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file.
+    """Return the values in a TOML file by dotted name, such as `mapping.time.unit`.
 
     Raises:
         ConfigurationError: It cannot be read, or is not TOML.
     """
     try:
-        return tomllib.loads(_text(file))
+        return _flatten(tomllib.loads(_text(file)))
     except RecursionError:
         raise ConfigurationError(f"{file}: nested too deeply") from None
     except ValueError as error:
         raise ConfigurationError(f"{file}: {one_line(str(error))}") from error
 
 
-def flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return the values of nested tables by dotted name."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
         if isinstance(value, dict) and value:
-            flat |= flatten(value, f"{prefix}{key}.")
+            flat |= _flatten(value, f"{prefix}{key}.")
         else:
             flat[f"{prefix}{key}"] = value
     return flat
