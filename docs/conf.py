@@ -35,8 +35,8 @@ html_show_sphinx = False
 html_static_path = ["static"]
 html_css_files = ["pages.css"]
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
-# What a tool leaves in a folder, such as the cache of pytest in an example, is no page. Patterns meet
-# the paths of installed extensions too, so they begin with a folder of the documentation.
+# What a tool leaves in a folder, such as the cache of pytest in an example, is no page. Patterns
+# meet the paths of installed extensions too, so they begin with a folder of the documentation.
 exclude_patterns = ["generators", "template", "examples/**/.*/**"]
 
 # Markdown. Directives stand between colons, so that what stands between backticks is code to run.

@@ -6,15 +6,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+
 # A backend has more to it than a transport: messages, services, parameters, time, logs. And over
 # MQTT there is a connection to be reached and kept, packets of a broker that nobody trusts, and a
 # WebSocket that may carry them. Both have a check for `rosbase doctor`, and that of ROS asks a
 # process of its own, which ROS may end. What ROS, its middleware and its tools leave unsaid has
 # modules of its own: how it starts, what the machine must offer, what users set from outside,
 # messages that are refused, questions for the main loop, parameters as they are written, a
-# program's own rclpy. A serial port has surroundings, each a subject of its own: the driver, other
-# programs and who they are, two kinds of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 29}
+# program's own rclpy. The nodes of one process, each a node of ROS, share a context. A serial
+# port has surroundings, each a subject of its own: the driver, other programs and who they are,
+# two kinds of network, and the speed of a UART.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 31}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -20,7 +20,7 @@ DOCS = ROOT / "docs"
 API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
 # What neither programs nor plugins are meant to import.
 INTERNAL = {
-    *("__main__", "cli", "contracts.node_view", "imu", "local"),
+    *("__main__", "cli", "contracts.node_view", "imu", "local", "program"),
     *(
         "roles.callables",
         "roles.classes",

@@ -1,4 +1,4 @@
-"""What all nodes of one backend share: the rclpy context, the arguments, the main loop."""
+"""State that all nodes of one backend share: the rclpy context, the arguments, the main loop."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -7,7 +7,7 @@ __all__ = ["Registration"]
 
 @define
 class Registration:
-    """What a component needs to know of its manager while it is built."""
+    """State of a registration, which a component reads while it is built."""
 
     node_name: str
     """Name that the program gives the manager."""

@@ -146,9 +146,8 @@ _SENTENCES = {
         " a refused parameter causes no call"
     ),
     "nodes-have-their-own-parameters": (
-        "Nodes opened on a backend have parameters of their own, also of the same name; an override"
-        " with the name of a node in front is for that node, one without for all; the callbacks of"
-        " one node are not asked about the parameters of another"
+        "Nodes of one backend have their own parameters; `front.rate` sets the one of a node,"
+        " `rate` those of all; callbacks are asked about their own node only"
     ),
     "undeclared-parameters-are-errors": "An undeclared parameter is a ParameterError that names it",
     # The end.
