@@ -1,6 +1,7 @@
 """What used to go wrong without a word is said in one line."""
 
 import functools
+import logging
 import re
 import subprocess
 import sys
@@ -51,7 +52,8 @@ def test_an_error_that_a_callback_answers_is_logged_with_node_and_reason(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     run({"arm": Broken})
-    assert "arm: on_activate answered ERROR: no current" in caplog.messages
+    said = ("rosbase.arm", logging.ERROR, "on_activate answered ERROR: no current")
+    assert said in caplog.record_tuples
 
 
 def test_an_error_without_a_reason_says_how_to_give_one(caplog: pytest.LogCaptureFixture) -> None:
@@ -60,8 +62,8 @@ def test_an_error_without_a_reason_says_how_to_give_one(caplog: pytest.LogCaptur
             return CallbackReturn.ERROR
 
     run({"arm": Silent})
-    expected = "arm: on_configure answered ERROR: no reason (set last_error to give one)"
-    assert expected in caplog.messages
+    expected = "on_configure answered ERROR: no reason (set last_error to give one)"
+    assert ("rosbase.arm", logging.ERROR, expected) in caplog.record_tuples
 
 
 def test_a_raised_error_is_logged_with_node_state_and_reason(
@@ -74,7 +76,8 @@ def test_a_raised_error_is_logged_with_node_state_and_reason(
             super().handle()
 
     run({"arm": Device}, Handlers)
-    assert "arm: error in active: RuntimeError: the belt is torn" in caplog.messages
+    said = ("rosbase.arm", logging.ERROR, "error in active: RuntimeError: the belt is torn")
+    assert said in caplog.record_tuples
 
 
 def test_nodes_that_were_not_brought_up_because_another_failed_are_named(

@@ -8,6 +8,8 @@ from rosbase.roles.registration import Registration
 
 __all__ = ["Component", "ManagerContext", "must_call_base"]
 
+_SET_BY_CONSTRUCTOR = ("manager", "logger", "_backend", "_connection", "_machine")
+
 
 def must_call_base(built: object, arguments: str) -> str:
     """Return the error text for a constructor that has not called its base class's."""
@@ -69,7 +71,7 @@ class Component:
         if name == "name" and self._is_initialised:
             # Not set in the constructor, because a subclass may have a property of that name.
             return self._label
-        if not self._is_initialised and name in ("manager", "logger", "_backend", "_machine"):
+        if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
             raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
