@@ -65,7 +65,7 @@ nitpick_ignore_regex = [
     # The part of a manager that its components see.
     (r"py:class", r"rosbase\.roles\.context\.ManagerContext"),
     # Types that stand for any.
-    (r"py:.*", r"[\w.]+[a-z]T"),
+    (r"py:.*", r"[\w.]+[a-z]T(_co|_contra)?"),
 ]
 
 GENERATED = {

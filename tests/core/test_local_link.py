@@ -219,7 +219,7 @@ def test_between_two_children_a_deeper_subscription_is_deepened_all_the_way(
     wait_until(lambda: a.bus._topics["/scan"].subscriptions[0].depth == 1000, "the depth")
 
 
-def publish(publisher: Publisher, *numbers: int) -> None:
+def publish(publisher: Publisher[Any], *numbers: int) -> None:
     for number in numbers:
         publisher.publish(Vector3(x=float(number)))
 

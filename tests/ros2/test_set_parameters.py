@@ -110,7 +110,7 @@ def test_a_callback_of_the_program_is_asked_on_the_main_loop_and_may_refuse(
 ) -> None:
     asked: list[tuple[str, Any, int]] = []
 
-    def judge(parameters: list[Parameter]) -> SetParametersResult:
+    def judge(parameters: list[Parameter[Any]]) -> SetParametersResult:
         asked.extend((p.name, p.value, threading.get_ident()) for p in parameters)
         return SetParametersResult(parameters[0].value != "map", "the sensor has its frame")
 
@@ -157,7 +157,7 @@ def test_a_callback_that_fails_refuses_what_is_set_from_outside_and_ends_nothing
 def test_a_main_loop_that_does_not_come_to_it_is_a_refusal_and_nothing_is_set_later(
     client: Tool, backend: Ros2Backend
 ) -> None:
-    asked: list[list[Parameter]] = []
+    asked: list[list[Parameter[Any]]] = []
     backend.add_on_set_parameters_callback(
         lambda parameters: asked.append(parameters) or SetParametersResult(True)  # type: ignore[func-returns-value]
     )

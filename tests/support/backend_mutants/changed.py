@@ -41,7 +41,7 @@ class Changed(LocalBackend):
         super().__init__(options, bus)
         self.thread = threading.current_thread()
 
-    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher:
+    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher[Any]:
         kind, profile = self.msg_type(msg_type), self.offered(qos_profile)
         return ChangedPublisher(self, super().create_publisher(kind, self.name(topic), profile))
 
@@ -76,7 +76,7 @@ class Changed(LocalBackend):
     def schedule(self, function: Callable[[], object]) -> None:
         self.call_soon(function)
 
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         publisher.publish(message)
 
     def all_subscriptions(self) -> list[Any]:
@@ -89,7 +89,7 @@ class Changed(LocalBackend):
 
 
 class ChangedPublisher:
-    def __init__(self, backend: Changed, inner: Publisher) -> None:
+    def __init__(self, backend: Changed, inner: Publisher[Any]) -> None:
         self.backend = backend
         self.inner = inner
         self.topic = inner.topic

@@ -22,7 +22,7 @@ class HandlesWhatWaited(LocalBackend):
 
 @breaks("ended-publishers-are-silent")
 class ComplainsOfTheEnd(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if publisher not in self._publishers:
             raise BackendError("the publisher has been destroyed")
         publisher.publish(message)
@@ -30,7 +30,7 @@ class ComplainsOfTheEnd(Changed):
 
 @breaks("ended-publishers-are-silent")
 class ComplainsAfterClose(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if self._closed:
             raise BackendError("the backend is closed")
         publisher.publish(message)

@@ -1,6 +1,7 @@
 """What is wrong with parameters."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from attrs import evolve
 
@@ -16,7 +17,7 @@ from support.backend_mutants.changed import breaks
 
 @breaks("parameters-keep-their-kind")
 class HasTextsOnly(LocalBackend):
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         return Parameter(name, str(super().get_parameter(name).value))
 
 
@@ -29,7 +30,7 @@ class HeedsNoOverride(LocalBackend):
 @breaks("overrides-win")
 @breaks("wrong-overrides-are-errors")
 class TakesAnyOverride(LocalBackend):
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         value = self._options.parameter_overrides.get(spec.name, spec.default)
         parameter = Parameter(spec.name, value)
         return self._parameters._values.setdefault(spec.name, parameter)
@@ -37,7 +38,7 @@ class TakesAnyOverride(LocalBackend):
 
 @breaks("wrong-overrides-are-errors")
 class DeclaresWhatItRefuses(LocalBackend):
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         try:
             return super().declare_parameter(spec)
         except ParameterError:
@@ -52,20 +53,20 @@ class RefusesTheFirst(DeclaresWhatItRefuses):
 
 @breaks("declaring-twice-is-an-error")
 class DeclaresTheLast(LocalBackend):
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         self._parameters._specs.pop(spec.name, None)
         return super().declare_parameter(spec)
 
 
 @breaks("undeclared-parameters-are-errors")
 class KnowsEveryParameter(LocalBackend):
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         return self._parameters._values.get(name, Parameter(name, ""))
 
 
 @breaks("undeclared-parameters-are-errors")
 class TellsAtLength(LocalBackend):
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         try:
             return super().get_parameter(name)
         except ParameterError as error:
@@ -74,33 +75,33 @@ class TellsAtLength(LocalBackend):
 
 @breaks("setting-keeps-the-declared-kind")
 class SetsWhateverItIsGiven(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         self._parameters._values |= {parameter.name: parameter for parameter in parameters}
         return SetParametersResult(successful=True)
 
 
 @breaks("setting-keeps-the-declared-kind")
 class SetsNothing(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         return self._parameters.ask(self._parameters.check(parameters))
 
 
 @breaks("what-cannot-be-set-is-refused-whole")
 class SetsTheFirst(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         results = [self._parameters.set([parameter]) for parameter in parameters]
         return next((result for result in results if not result.successful), results[-1])
 
 
 @breaks("what-cannot-be-set-is-refused-whole")
 class SetsWhatIsReadOnly(LocalBackend):
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         return super().declare_parameter(evolve(spec, read_only=False))
 
 
 @breaks("what-cannot-be-set-is-refused-whole")
 class RefusesWithoutAReason(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         return evolve(super().set_parameters(parameters), reason="")
 
 
@@ -112,7 +113,7 @@ class AsksNobody(LocalBackend):
 
 @breaks("a-callback-may-refuse-what-is-set")
 class AsksTooLate(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         self._parameters._values |= {parameter.name: parameter for parameter in parameters}
         return super().set_parameters(parameters)
 
@@ -125,7 +126,7 @@ class TellsNobody(LocalBackend):
 
 @breaks("callbacks-hear-what-was-set")
 class TellsOfWhatItRefuses(LocalBackend):
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         result = super().set_parameters(parameters)
         if not result.successful:
             self.call_soon(lambda: self._parameters.tell(parameters))
@@ -140,7 +141,7 @@ class HasOneNode(LocalBackend):
 
 @breaks("nodes-have-their-own-parameters")
 class TakesNothingForEveryNode(LocalBackend):
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         return super().declare_parameter(evolve(spec, general_name=""))
 
 

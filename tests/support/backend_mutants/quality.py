@@ -26,7 +26,7 @@ class KeepsOneTooMany(Changed):
 
 @breaks("depth-drops-the-oldest")
 class ForgetsWhatItDrops(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         for queue in self.waiting():
             while len(queue) == queue.maxlen:
                 queue.popleft()
@@ -35,7 +35,7 @@ class ForgetsWhatItDrops(Changed):
 
 @breaks("depth-drops-the-oldest")
 class DropsTheNewest(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         for subscription in self.all_subscriptions():
             if len(subscription._queue) == subscription.depth:
                 subscription._dropped += 1
@@ -75,7 +75,7 @@ class AsksForWhatWasKept(Changed):
 @breaks("ended-publishers-are-silent")
 @breaks("kept-messages-end-with-the-publisher")
 class KeepsForEver(LocalBackend):
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         pass
 
 
@@ -109,6 +109,6 @@ class KeepsEveryMessage(Changed):
         super().__init__(options)
         self.kept: list[Any] = []
 
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         self.kept.append(message)
         publisher.publish(message)

@@ -71,14 +71,14 @@ class SwallowsErrors(Changed):
 
 @breaks("publishing-is-for-any-thread")
 class HearsItsOwnThreadOnly(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if threading.current_thread() is self.thread:
             publisher.publish(message)
 
 
 @breaks("publishing-waits-for-nobody")
 class WaitsForRoom(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if message.x == 1.0 and all(self.waiting()):
             too_long()
         publisher.publish(message)
@@ -86,7 +86,7 @@ class WaitsForRoom(Changed):
 
 @breaks("destroying-is-for-any-thread")
 class DestroysOnItsOwnThread(Changed):
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         if threading.current_thread() is not self.thread:
             raise BackendError("not on this thread")
         super().destroy_subscription(subscription)
@@ -94,7 +94,7 @@ class DestroysOnItsOwnThread(Changed):
 
 @breaks("destroying-is-for-any-thread")
 class OverhearsOtherThreads(Changed):
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         if threading.current_thread() is self.thread:
             super().destroy_subscription(subscription)
 
@@ -117,7 +117,7 @@ class KnowsItsCallbacks(Changed):
 
 @breaks("callbacks-may-use-the-backend")
 class WaitsForItsOwnCallback(KnowsItsCallbacks):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if self.is_calling:
             too_long()
         publisher.publish(message)
@@ -125,14 +125,14 @@ class WaitsForItsOwnCallback(KnowsItsCallbacks):
 
 @breaks("callbacks-may-use-the-backend")
 class LosesWhatACallbackPublishes(KnowsItsCallbacks):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         if not self.is_calling:
             publisher.publish(message)
 
 
 @breaks("callbacks-may-use-the-backend")
 class CreatesOnlyOutsideCallbacks(KnowsItsCallbacks):
-    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher:
+    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher[Any]:
         if self.is_calling:
             raise BackendError("not from within a callback")
         return super().create_publisher(msg_type, topic, qos_profile)

@@ -16,7 +16,7 @@ from support.backend_mutants.changed import Changed, breaks
 
 @breaks("every-subscription-hears")
 class SaysEverythingTwice(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         publisher.publish(message)
         publisher.publish(message)
 
@@ -47,7 +47,7 @@ class MakesNamesUp(Changed):
 
 @breaks("wrong-names-are-errors")
 class SaysNotWhichNameIsWrong(LocalBackend):
-    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher:
+    def create_publisher(self, msg_type: Any, topic: Any, qos_profile: Any) -> Publisher[Any]:
         try:
             return super().create_publisher(msg_type, topic, qos_profile)
         except BackendError:
@@ -74,7 +74,7 @@ class SendsWhatItRefuses(Changed):
 
 @breaks("samples-arrive-like-messages")
 class ForgetsTheTemplate(LocalBackend):
-    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+    def imu_sender(self, publisher: Publisher[Any], template: Imu) -> ImuSender:
         return super().imu_sender(publisher, Imu())
 
 
@@ -86,7 +86,7 @@ class Copies(Changed):
 
 @breaks("delivers-in-process")
 class DeliversLater(Changed):
-    def send(self, publisher: Publisher, message: Any) -> None:
+    def send(self, publisher: Publisher[Any], message: Any) -> None:
         self.call_soon(lambda: publisher.publish(message))
 
 

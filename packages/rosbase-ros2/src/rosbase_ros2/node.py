@@ -116,7 +116,9 @@ class RosNode(NodeConnection):
         declared = self.node.list_parameters([], 0).names
         name_undeclared(names, declared, self._warn)
 
-    def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: Any) -> Publisher:
+    def create_publisher(
+        self, msg_type: type[MessageT], topic: str, qos_profile: Any
+    ) -> Publisher[MessageT]:
         """Create a publisher of rosbase messages, which are converted, or of native ROS ones.
 
         Args:
@@ -138,7 +140,7 @@ class RosNode(NodeConnection):
         topic: str,
         callback: Callable[[MessageT], object],
         qos_profile: Any,
-    ) -> Subscription:
+    ) -> Subscription[MessageT]:
         """Create a subscription; the callback runs on the main-loop thread."""
         self._process.check_open()
         converter = self._process.conversions.of(msg_type)
@@ -151,29 +153,29 @@ class RosNode(NodeConnection):
         self._subscriptions.append(subscription)
         return subscription
 
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher; ROS sees it until its last messages have arrived."""
         if isinstance(publisher, RosPublisher) and publisher in self._publishers:
             self._publishers.remove(publisher)
             publisher.close()
             self._spinner.call(lambda: self._retirement.take(publisher.inner))
 
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
         if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             subscription.close()
             self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
 
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter of the node."""
         return self._parameters.declare(spec)
 
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value, also if it was set from outside."""
         return self._parameters.get(name)
 
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set parameters of the node, or none of them if one is refused."""
         return self._parameters.set(parameters)
 
@@ -197,7 +199,7 @@ class RosNode(NodeConnection):
         call_soon = self._process.executor.call_soon
         self._services.append(LifecycleServices(self.node, node, call_soon, self._logger))
 
-    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
         """Return a sender of samples as bytes."""
         if isinstance(publisher, RosPublisher):
             return publisher.imu_sender(template)

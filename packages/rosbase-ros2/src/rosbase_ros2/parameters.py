@@ -120,7 +120,7 @@ class RosParameters:
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._tell)
 
-    def declare(self, spec: ParameterSpec) -> Parameter:
+    def declare(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare the parameter on the node, with its value from outside if there is one.
 
         Raises:
@@ -143,7 +143,7 @@ class RosParameters:
         self.general_names.add(spec.general_name)
         return Parameter(spec.name, value)
 
-    def get(self, name: str) -> Parameter:
+    def get(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value.
 
         Raises:
@@ -155,7 +155,7 @@ class RosParameters:
         spec = self._rules.find(name)
         return Parameter(name, value if spec is None else check_value(spec, _plain(value)))
 
-    def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused. Call it on the main loop."""
         try:
             checked = self._rules.check(parameters)

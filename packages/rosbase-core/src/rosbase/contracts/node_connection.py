@@ -20,9 +20,11 @@ from rosbase.qos import QoSProfile
 __all__ = ["NodeConnection", "Publisher", "Subscription", "Timer"]
 
 MessageT = TypeVar("MessageT")
+MessageT_co = TypeVar("MessageT_co", covariant=True)
+MessageT_contra = TypeVar("MessageT_contra", contravariant=True)
 
 
-class Publisher(Protocol):
+class Publisher(Protocol[MessageT_contra]):
     """A publisher: sends messages to a topic."""
 
     @property
@@ -30,7 +32,7 @@ class Publisher(Protocol):
         """Full name of the topic, such as `/imu/data`."""
         ...
 
-    def publish(self, message: Any) -> object:
+    def publish(self, message: MessageT_contra) -> object:
         """Hand the message to every subscription, without waiting for them.
 
         Call it from any thread.
@@ -49,7 +51,7 @@ class Publisher(Protocol):
         ...
 
 
-class Subscription(Protocol):
+class Subscription(Protocol[MessageT_co]):
     """A subscription: receives the messages of a topic."""
 
     @property
@@ -118,7 +120,7 @@ class NodeConnection(ABC):
     @abstractmethod
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
-    ) -> Publisher:
+    ) -> Publisher[MessageT]:
         """Create a publisher that offers the given profile.
 
         Raises:
@@ -133,7 +135,7 @@ class NodeConnection(ABC):
         topic: str,
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile,
-    ) -> Subscription:
+    ) -> Subscription[MessageT]:
         """Create a subscription that asks for the given profile.
 
         Raises:
@@ -142,18 +144,18 @@ class NodeConnection(ABC):
         """
 
     @abstractmethod
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher of this backend; sent messages still arrive.
 
         Do nothing if it has ended.
         """
 
     @abstractmethod
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription: its callback is not called again. Do nothing if it has ended."""
 
     @abstractmethod
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one, else its default.
 
         The value is of the spec's kind: 5 for a number is 5.0. A refused parameter stays
@@ -164,7 +166,7 @@ class NodeConnection(ABC):
         """
 
     @abstractmethod
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value.
 
         Values set from outside count, unless they are invalid.
@@ -174,7 +176,7 @@ class NodeConnection(ABC):
         """
 
     @abstractmethod
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none: one that is undeclared, read-only or wrong is refused.
 
         Each keeps its declared type. Call it on the spinning thread.
@@ -212,7 +214,7 @@ class NodeConnection(ABC):
         show only one shows the first, and logs a warning for each of the others.
         """
 
-    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
         """Create a sender of samples that differ from `template` only in stamp and numbers.
 
         Override it in a backend that can send samples without building a message for each;

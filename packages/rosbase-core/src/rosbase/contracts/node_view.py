@@ -52,7 +52,7 @@ class NodeView(NodeConnection):
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
-    ) -> Publisher:
+    ) -> Publisher[MessageT]:
         """Create a publisher."""
         return self._shared.create_publisher(msg_type, self._own(topic), qos_profile)
 
@@ -62,15 +62,15 @@ class NodeView(NodeConnection):
         topic: str,
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile,
-    ) -> Subscription:
+    ) -> Subscription[MessageT]:
         """Create a subscription."""
         return self._shared.create_subscription(msg_type, self._own(topic), callback, qos_profile)
 
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
         self._shared.destroy_publisher(publisher)
 
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
         self._shared.destroy_subscription(subscription)
 
@@ -82,7 +82,7 @@ class NodeView(NodeConnection):
         """Destroy a timer."""
         self._shared.destroy_timer(timer)
 
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter; others see it with the name of the node in front."""
         return self._inner(
             self._shared.declare_parameter(
@@ -90,11 +90,11 @@ class NodeView(NodeConnection):
             )
         )
 
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value."""
         return self._inner(self._shared.get_parameter(self._prefix + name))
 
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none."""
         outer = [Parameter(self._prefix + p.name, p.value) for p in parameters]
         return self._shared.set_parameters(outer)
@@ -102,7 +102,7 @@ class NodeView(NodeConnection):
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` before parameters of this node are set."""
 
-        def ask(parameters: list[Parameter]) -> Any:
+        def ask(parameters: list[Parameter[Any]]) -> Any:
             own = [self._inner(p) for p in parameters if p.name.startswith(self._prefix)]
             return callback(own) if own else SetParametersResult(successful=True)
 
@@ -112,7 +112,7 @@ class NodeView(NodeConnection):
     def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
         """Call `callback` after parameters of this node were set."""
 
-        def tell(parameters: list[Parameter]) -> None:
+        def tell(parameters: list[Parameter[Any]]) -> None:
             if own := [self._inner(p) for p in parameters if p.name.startswith(self._prefix)]:
                 callback(own)
 
@@ -122,11 +122,11 @@ class NodeView(NodeConnection):
         """Let other programs see the lifecycle, as far as the backend can."""
         self._shared.expose_lifecycle(node)
 
-    def imu_sender(self, publisher: Publisher, template: Imu) -> ImuSender:
+    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
         """Create a sender of samples."""
         return self._shared.imu_sender(publisher, template)
 
-    def _inner(self, parameter: Parameter) -> Parameter:
+    def _inner(self, parameter: Parameter[Any]) -> Parameter[Any]:
         return Parameter(parameter.name.removeprefix(self._prefix), parameter.value)
 
     def _own(self, topic: str) -> str:

@@ -24,11 +24,11 @@ __all__ = [
     "refused",
 ]
 
-OnSetParameters: TypeAlias = Callable[[list[Parameter]], Any]
+OnSetParameters: TypeAlias = Callable[[list[Parameter[Any]]], Any]
 """Callback that returns a `SetParametersResult`, or rclpy's, for parameters about to be set."""
 
 
-PostSetParameters: TypeAlias = Callable[[list[Parameter]], object]
+PostSetParameters: TypeAlias = Callable[[list[Parameter[Any]]], object]
 """Callback for parameters that have been set."""
 
 
@@ -68,18 +68,18 @@ class ParameterRules:
         """Call `callback` after parameters were set."""
         self._post_callbacks.append(callback)
 
-    def tell(self, parameters: Sequence[Parameter]) -> None:
+    def tell(self, parameters: Sequence[Parameter[Any]]) -> None:
         """Tell the callbacks of parameters that were set. Call it on the spinning thread."""
         for callback in list(self._post_callbacks):
             callback(list(parameters))
 
-    def check(self, parameters: Sequence[Parameter]) -> list[Parameter]:
+    def check(self, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
         """Return the parameters as values of their declared types.
 
         Raises:
             ParameterError: One is undeclared, read-only or has a value of another type.
         """
-        checked: list[Parameter] = []
+        checked: list[Parameter[Any]] = []
         for parameter in parameters:
             spec = self._specs.get(parameter.name)
             if spec is None:
@@ -89,7 +89,7 @@ class ParameterRules:
             checked.append(Parameter(spec.name, check_value(spec, parameter.value)))
         return checked
 
-    def ask(self, checked: Sequence[Parameter]) -> SetParametersResult:
+    def ask(self, checked: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Ask the callbacks, on the spinning thread; the first refusal counts.
 
         A callback that raises, or answers with no result, is reported and counts as a refusal.
@@ -132,9 +132,9 @@ class ParameterStore(ParameterRules):
         self._call_soon = call_soon or (lambda call: call())
         self._overrides = overrides
         self._general_names: set[str] = set()
-        self._values: dict[str, Parameter] = {}
+        self._values: dict[str, Parameter[Any]] = {}
 
-    def declare(self, spec: ParameterSpec) -> Parameter:
+    def declare(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one.
 
         Raises:
@@ -154,7 +154,7 @@ class ParameterStore(ParameterRules):
         given = [name for name in self._overrides if name not in self._general_names]
         name_undeclared(given, self._values, warn)
 
-    def get(self, name: str) -> Parameter:
+    def get(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value.
 
         Raises:
@@ -165,7 +165,7 @@ class ParameterStore(ParameterRules):
         except KeyError:
             raise ParameterError(f"parameter {name} has not been declared") from None
 
-    def set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
         try:
             checked = self.check(parameters)

@@ -1,7 +1,7 @@
 """Publish samples on the three topics of REP-145, with their stamps, and count the outcomes."""
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from rosbase.contracts.imu_sender import ImuSender
 from rosbase.imu.counts import Counts
@@ -30,7 +30,13 @@ _Absent: TypeAlias = tuple[bool, bool, bool]
 class Publishers:
     """The reader's publishers: `data`, `data_raw` and `mag`, under its namespace."""
 
-    def __init__(self, create: Callable[[type, str], LifecyclePublisher], namespace: str) -> None:
+    data: LifecyclePublisher[Imu]
+    data_raw: LifecyclePublisher[Imu]
+    mag: LifecyclePublisher[MagneticField]
+
+    def __init__(
+        self, create: Callable[[type, str], LifecyclePublisher[Any]], namespace: str
+    ) -> None:
         """Create the publishers."""
         self.data = create(Imu, f"{namespace}/data")
         self.data_raw = create(Imu, f"{namespace}/data_raw")
@@ -43,7 +49,7 @@ class Outlet:
     def __init__(
         self,
         publishers: Publishers,
-        prepare: Callable[[LifecyclePublisher, Imu], ImuSender],
+        prepare: Callable[[LifecyclePublisher[Imu], Imu], ImuSender],
         frame_id: str,
         covariances: Mapping[str, Covariance],
         counts: Counts,

@@ -1,7 +1,7 @@
 """The IMU reader: a lifecycle node that turns the frames of a device into messages."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from rosbase.clock import date_fault
 from rosbase.contracts.backend import timer_period_ns
@@ -25,6 +25,8 @@ from rosbase.roles.lifecycle_node import LifecycleNode, LifecyclePublisher
 from rosbase.runtime.executor import ExecutorTimer
 
 __all__ = ["DEFAULT_NODE_NAME", "ImuReader"]
+
+MessageT = TypeVar("MessageT")
 
 DEFAULT_NODE_NAME = "lifecycle_manager"
 
@@ -79,7 +81,7 @@ class ImuReader(LifecycleNode):
         self._make_transport(self._settings)
         self._counts = Counts()
         self._transport: Transport | None = None
-        self._publishers: list[LifecyclePublisher] = []
+        self._publishers: list[LifecyclePublisher[Any]] = []
         self._topics: Publishers | None = None
         self._pipeline: Pipeline | None = None
         self._monitor: HealthMonitor | None = None
@@ -192,7 +194,7 @@ class ImuReader(LifecycleNode):
         """Release everything, for a node without a manager."""
         self._release()
 
-    def _judge_change(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def _judge_change(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Refuse invalid changes and those without effect; apply at once what can be applied."""
         changed = {
             parameter.name: parameter.value
@@ -279,7 +281,7 @@ class ImuReader(LifecycleNode):
             self._counts.add(reason, number)
         self._transport = transport
 
-    def _publisher(self, msg_type: type, topic: str) -> LifecyclePublisher:
+    def _publisher(self, msg_type: type[MessageT], topic: str) -> LifecyclePublisher[MessageT]:
         publisher = self.create_publisher(msg_type, topic, _DEPTH)
         self._publishers.append(publisher)
         return publisher

@@ -1,7 +1,7 @@
 """The `local` backend: topics, timers and parameters within one process."""
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
@@ -39,7 +39,7 @@ class LocalBackend(Backend):
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
-    ) -> Publisher:
+    ) -> Publisher[MessageT]:
         """Create a publisher. Unless it is TRANSIENT_LOCAL, its depth has no effect.
 
         Within one process nothing is lost on the way: BEST_EFFORT delivers as RELIABLE
@@ -56,7 +56,7 @@ class LocalBackend(Backend):
         topic: str,
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile,
-    ) -> Subscription:
+    ) -> Subscription[MessageT]:
         """Create a subscription that keeps as many messages as its profile says."""
         name, profile = self._check(topic), as_profile(qos_profile, topic)
         subscription = LocalSubscription(name, callback, profile, self.call_soon)
@@ -64,27 +64,27 @@ class LocalBackend(Backend):
         self._subscriptions.append(subscription)
         return subscription
 
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
         if publisher in self._publishers:
             self._publishers.remove(publisher)
             self._bus.remove_publisher(publisher)
 
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             self._bus.remove_subscription(subscription)
 
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter:
+    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one."""
         return self._parameters.declare(spec)
 
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value."""
         return self._parameters.get(name)
 
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
         return self._parameters.set(parameters)
 

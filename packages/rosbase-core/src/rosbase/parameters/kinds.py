@@ -2,7 +2,7 @@
 
 import array
 from enum import Enum
-from typing import TypeAlias
+from typing import Generic, TypeAlias, TypeVar
 
 from attrs import Factory, field, frozen
 
@@ -20,6 +20,8 @@ ParameterValue: TypeAlias = (
     bool | int | float | str | list[bool] | list[int] | list[float] | list[str] | list[bytes]
 )
 """Value of a parameter. Bytes are a list of `bytes` of length 1, as in rclpy."""
+
+ValueT_co = TypeVar("ValueT_co", bound=ParameterValue, covariant=True)
 
 
 class ParameterKind(Enum):
@@ -46,11 +48,11 @@ class SetParametersResult:
 
 
 @frozen
-class Parameter:
+class Parameter(Generic[ValueT_co]):
     """A declared parameter and its value, as rclpy's `get_parameter` gives it."""
 
     name: str
-    value: ParameterValue
+    value: ValueT_co
 
 
 SCALARS = {

@@ -2,13 +2,13 @@
 
 import threading
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 from rosbase.contracts.backend import Publisher
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
 from rosbase.qos import QoSProfile
-from rosbase.roles.context import must_call_base
+from rosbase.roles.context import ManagerContext, must_call_base
 from rosbase.roles.node import BaseNode
 
 __all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
@@ -17,16 +17,17 @@ Autostart: TypeAlias = Literal["none", "configure", "activate"]
 """How far a manager brings a lifecycle node up by itself."""
 
 MessageT = TypeVar("MessageT")
+MessageT_contra = TypeVar("MessageT_contra", contravariant=True)
 
 _TRANSITION_PATIENCE_S = 5.0
 
 
-class LifecyclePublisher:
+class LifecyclePublisher(Generic[MessageT_contra]):
     """A publisher that sends only while its node is active."""
 
     __slots__ = ("_publisher", "_send", "is_enabled")
 
-    def __init__(self, publisher: Publisher) -> None:
+    def __init__(self, publisher: Publisher[MessageT_contra]) -> None:
         self._publisher = publisher
         self._send = publisher.publish
         self.is_enabled = False
@@ -38,11 +39,11 @@ class LifecyclePublisher:
         return self._publisher.topic
 
     @property
-    def inner(self) -> Publisher:
+    def inner(self) -> Publisher[MessageT_contra]:
         """Publisher of the backend."""
         return self._publisher
 
-    def publish(self, message: Any) -> bool:
+    def publish(self, message: MessageT_contra) -> bool:
         """Hand the message on if the node is active; return whether it was sent.
 
         Raises:
@@ -71,7 +72,7 @@ class LifecycleNode(BaseNode):
     """How far the manager brings this node up by itself."""
     _plain_methods: ClassVar[tuple[str, ...]] = (*BaseNode._plain_methods, *CALLBACKS.values())
 
-    def __init__(self, manager: Any = None, *args: Any, **kwargs: Any) -> None:
+    def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Start unconfigured. The arguments are those of `BaseNode`."""
         super().__init__(manager, *args, **kwargs)
         self.last_error: BaseException | None = None
@@ -84,7 +85,7 @@ class LifecycleNode(BaseNode):
         self._transition_lock = threading.Lock()
         self._transition_thread: int | None = None
         self._transition_since_ns: int | None = None
-        self._gated: list[LifecyclePublisher] = []
+        self._gated: list[LifecyclePublisher[Any]] = []
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
         self._connection.expose_lifecycle(self)
@@ -246,14 +247,14 @@ class LifecycleNode(BaseNode):
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
-    ) -> LifecyclePublisher:
+    ) -> LifecyclePublisher[MessageT]:
         """Create a publisher that sends only while the node is active."""
         publisher = LifecyclePublisher(super().create_publisher(msg_type, topic, qos_profile))
         publisher.is_enabled = self._machine.state is State.ACTIVE
         self._gated.append(publisher)
         return publisher
 
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
         if isinstance(publisher, LifecyclePublisher):
             publisher.is_enabled = False

@@ -29,6 +29,7 @@ from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signa
 __all__ = ["BaseNode"]
 
 MessageT = TypeVar("MessageT")
+ValueT = TypeVar("ValueT", bound=ParameterValue)
 
 _NS_PER_S = 1_000_000_000
 
@@ -87,7 +88,7 @@ class BaseNode(Constructed, Component):
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
-    ) -> Publisher:
+    ) -> Publisher[MessageT]:
         """Create a publisher of messages of that type, with that depth or profile."""
         return self._connection.create_publisher(msg_type, topic, qos_profile)
 
@@ -97,7 +98,7 @@ class BaseNode(Constructed, Component):
         topic: str,
         callback: Callable[[MessageT], object],
         qos_profile: int | QoSProfile = 10,
-    ) -> Subscription:
+    ) -> Subscription[MessageT]:
         """Create a subscription: `callback(message)` is called on the main-loop thread.
 
         Up to `depth` messages wait for it; older ones are dropped and counted.
@@ -117,11 +118,11 @@ class BaseNode(Constructed, Component):
         check_callback(callback, "a timer")
         return self._connection.create_timer(timer_period_sec, callback)
 
-    def destroy_publisher(self, publisher: Publisher) -> None:
+    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
         self._connection.destroy_publisher(publisher)
 
-    def destroy_subscription(self, subscription: Subscription) -> None:
+    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription: its callback is not called again."""
         self._connection.destroy_subscription(subscription)
 
@@ -134,14 +135,15 @@ class BaseNode(Constructed, Component):
         return self._connection.clock
 
     def declare_parameter(
-        self, name: str, value: ParameterValue, spec: ParameterSpec | None = None
-    ) -> Parameter:
+        self, name: str, value: ValueT, spec: ParameterSpec | None = None
+    ) -> Parameter[ValueT]:
         """Declare a parameter, and return it with its value as set from outside.
 
         Args:
             name: Its name. Other programs see it with the name of the node in front, such as
                 `camera.fps`, if the node shares the connection of its manager.
-            value: Its default, which also says its type. `parameter_defaults` may replace it.
+            value: Its default, which also says its type, and that of the
+                value returned. `parameter_defaults` may replace it.
             spec: More about it, such as its range; its name and default are those above.
 
         Raises:
@@ -151,7 +153,7 @@ class BaseNode(Constructed, Component):
             self._as_given(spec or ParameterSpec(name, value))
         )
 
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[Any]:
         """Return a declared parameter; its `value` is the current one.
 
         Raises:
@@ -163,7 +165,7 @@ class BaseNode(Constructed, Component):
         """Set one parameter; return whether it was set, and the reason if not."""
         return self.set_parameters([Parameter(name, value)])
 
-    def set_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none.
 
         Returns:
@@ -182,7 +184,7 @@ class BaseNode(Constructed, Component):
         self._connection.add_on_set_parameters_callback(callback)
 
     def add_post_set_parameters_callback(
-        self, callback: Callable[[list[Parameter]], object]
+        self, callback: Callable[[list[Parameter[Any]]], object]
     ) -> None:
         """Call `callback(parameters)` on the main-loop thread, soon after parameters were set."""
         check_callback(callback, "add_post_set_parameters_callback")

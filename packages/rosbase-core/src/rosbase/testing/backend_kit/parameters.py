@@ -56,7 +56,7 @@ _SET: dict[str, tuple[ParameterValue, ParameterValue]] = {
     "octets": ([], []),
     "no_octets": ([b"c"], [b"c"]),
 }
-_NEVER = [Parameter("serial", "B2"), Parameter("unheard_of", 1)]
+_NEVER: list[Parameter[Any]] = [Parameter("serial", "B2"), Parameter("unheard_of", 1)]
 _WRONG: dict[str, ParameterValue] = {
     "flag": 1,
     "count": 10,
@@ -140,7 +140,8 @@ class ParameterChecks(BackendRig):
         for spec in [*_SPECS, ParameterSpec("serial", "A1", read_only=True)]:
             backend.declare_parameter(spec)
         good = Parameter("rate", 2.5)
-        for wrong in [*starmap(Parameter, _WRONG.items()), *_NEVER]:
+        wrongs: list[Parameter[Any]] = [*starmap(Parameter, _WRONG.items()), *_NEVER]
+        for wrong in wrongs:
             if wrong.name == good.name:
                 continue
             result = backend.set_parameters([good, wrong])
@@ -155,7 +156,7 @@ class ParameterChecks(BackendRig):
         backend.declare_parameter(ParameterSpec("rate", 1.5))
         asked: list[ParameterValue] = []
 
-        def judge(parameters: list[Parameter]) -> SetParametersResult:
+        def judge(parameters: list[Parameter[Any]]) -> SetParametersResult:
             asked.append(parameters[0].value)
             asked.append(backend.get_parameter("rate").value)
             return SetParametersResult(parameters[0].value != 5.0, "not five")
@@ -216,6 +217,6 @@ def _same(value: Any, expected: Any) -> bool:
     return type(value) is type(expected) and bool(value == expected)
 
 
-def _note(asked: list[str], name: str, parameters: list[Parameter]) -> SetParametersResult:
+def _note(asked: list[str], name: str, parameters: list[Parameter[Any]]) -> SetParametersResult:
     asked.append(name)
     return SetParametersResult(successful=True)

@@ -89,7 +89,8 @@ class TopicChecks(BackendRig):
         talker, listener = self.talker(backend), self.listener(backend)
         self.connect(promised, talker, listener)
         before = len(listener.heard)
-        for wrong in (Time(), None, "words"):
+        wrongs: tuple[Any, ...] = (Time(), None, "words")
+        for wrong in wrongs:
             self.refuses(
                 promised,
                 TypeError,
