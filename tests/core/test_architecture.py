@@ -83,6 +83,8 @@ def test_handlers_may_keep_a_machine_of_their_own_and_leave_the_managers_state_a
 class DriveState(StopAfter):
     """Style B: the state is the manager's."""
 
+    manager: Any
+
     def handle(self) -> None:
         seen = (self.state, self.agents["planner"].state)
         self.state = {"cold_start": "turn", "turn": "navigation"}.get(seen[0] or "", "turn")

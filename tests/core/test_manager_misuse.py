@@ -55,6 +55,8 @@ def test_rules_of_one_name_are_reported_each(caplog: pytest.LogCaptureFixture) -
 
 def test_a_manager_cannot_be_started_from_within_its_own_loop() -> None:
     class Again(BaseHandlers):
+        manager: BaseManager
+
         def handle(self) -> None:
             self.manager.start_main_loop_timer()
 

@@ -101,7 +101,7 @@ def test_who_is_to_stop_while_a_node_is_configured_does_not_activate_it_first() 
 
         def on_configure(self, previous_state: State) -> CallbackReturn:
             trace.append("configure")
-            self.manager.request_stop()
+            self.request_stop()
             return CallbackReturn.SUCCESS
 
         def on_activate(self, previous_state: State) -> CallbackReturn:

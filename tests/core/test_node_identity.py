@@ -60,10 +60,10 @@ def test_a_refusal_names_the_node_and_the_parameter(node_class: Any) -> None:
 
 def test_callbacks_of_a_node_concern_its_own_parameters() -> None:
     app = manager({"front": Camera, "rear": Camera})
-    asked: list[list[Parameter]] = []
-    told: list[list[Parameter]] = []
+    asked: list[list[Parameter[Any]]] = []
+    told: list[list[Parameter[Any]]] = []
 
-    def judge(parameters: list[Parameter]) -> SetParametersResult:
+    def judge(parameters: list[Parameter[Any]]) -> SetParametersResult:
         asked.append(parameters)
         return SetParametersResult(parameters[0].value != 13, "unlucky")
 
@@ -124,7 +124,8 @@ def test_a_program_may_use_the_name_for_something_else() -> None:
     class Assigning(Camera):
         def __init__(self, manager: Any = None, **kwargs: Any) -> None:
             super().__init__(manager, **kwargs)
-            self.name = self.node = self.latest = "mine"
+            own: Any = self
+            own.name = own.node = own.latest = "mine"
 
     class Having(Camera):
         @property
@@ -178,9 +179,10 @@ def test_a_stand_in_for_a_manager_needs_only_what_the_node_uses() -> None:
             self.backend = LocalBackend(BackendOptions("test"), Bus())
             self.logger = None
 
-    node = Camera(StandIn())
+    stand_in = StandIn()
+    node = Camera(stand_in)
     assert node.fps == 30
-    node.manager.backend.close()
+    stand_in.backend.close()
 
 
 def test_an_undeclared_override_names_the_parameter_of_the_node(

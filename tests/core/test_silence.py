@@ -486,7 +486,7 @@ def test_a_manager_that_calls_the_constructor_of_its_base_too_late_is_told_so(us
 def test_what_a_manager_lacks_is_said_as_python_says_it() -> None:
     app = BaseManager(backend=virtual_backend())
     with pytest.raises(AttributeError, match="'BaseManager' object has no attribute 'ndoes'"):
-        app.ndoes  # noqa: B018 - the access is the test
+        app.ndoes  # type: ignore[attr-defined]  # noqa: B018 - the access is the test
     app.destroy_node()
 
 
@@ -545,7 +545,7 @@ def test_a_parameter_callback_that_fails_refuses_the_change_and_is_named_in_one_
 def test_what_a_component_lacks_is_said_as_python_says_it() -> None:
     node = BaseNode(backend=virtual_backend())
     with pytest.raises(AttributeError, match="'BaseNode' object has no attribute 'imgae'"):
-        node.imgae  # noqa: B018
+        node.imgae  # type: ignore[attr-defined]  # noqa: B018
     node.destroy_node()
 
 

@@ -266,7 +266,7 @@ def test_records_come_from_any_thread_and_from_callbacks_of_rclpy(
     start: Callable[..., Ros2Backend], listener: Listener
 ) -> None:
     backend = start("busy")
-    logger = BaseNode(node_name="busy", backend=backend).logger
+    logger: Any = BaseNode(node_name="busy", backend=backend).logger
     timer = backend.node.create_timer(0.001, lambda: logger.info("from rclpy", once=True))
     threads = [
         threading.Thread(target=lambda n=number: [logger.info(f"{n} {i}") for i in range(50)])

@@ -3,7 +3,7 @@
 import inspect
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
@@ -145,16 +145,18 @@ class BaseManager(Constructed):
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
-    def __getattr__(self, name: str) -> Any:
-        """Explain the error if a constructor uses an attribute before it exists.
+    if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
 
-        Raises:
-            AttributeError: Always; Python calls this only for missing attributes.
-        """
-        if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
-            # With a name of its own, Python adds no guess at what was meant.
-            raise AttributeError(must_call_base(self, "*args, **kwargs"), name="", obj=None)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        def __getattr__(self, name: str) -> Any:
+            """Explain the error if a constructor uses an attribute before it exists.
+
+            Raises:
+                AttributeError: Always; Python calls this only for missing attributes.
+            """
+            if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
+                # With a name of its own, Python adds no guess at what was meant.
+                raise AttributeError(must_call_base(self, "*args, **kwargs"), name="", obj=None)
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def _missing_base(self) -> str:
         return "" if self._is_initialised else must_call_base(self, "*args, **kwargs")

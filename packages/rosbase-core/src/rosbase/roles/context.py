@@ -1,10 +1,16 @@
 """The view that nodes, agents and handlers have of their manager, if they have one."""
 
-from typing import Any, ClassVar, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from rosbase.contracts.backend import Backend
+from rosbase.logger import RosbaseLogger
 from rosbase.roles.callables import check_methods
 from rosbase.roles.registration import Registration
+from rosbase.runtime.rate import LoopStats
+
+if TYPE_CHECKING:
+    from rosbase.roles.handlers import BaseHandlers
 
 __all__ = ["Component", "ManagerContext", "must_call_base"]
 
@@ -19,8 +25,22 @@ def must_call_base(built: object, arguments: str) -> str:
 class ManagerContext(Protocol):
     """Part of a manager that its components use. `BaseManager` has it."""
 
-    backend: Backend
-    logger: Any
+    # Properties, where a manager's own class may have a narrower type.
+    @property
+    def backend(self) -> Backend:
+        """Connection of this process."""
+        ...
+
+    @property
+    def logger(self) -> RosbaseLogger:
+        """Logger of the manager and its components."""
+        ...
+
+    @property
+    def handlers(self) -> "BaseHandlers | None":
+        """Handlers; None without any, and while components are built."""
+        ...
+
     nodes: dict[str, Any]
     """Nodes by name, in order of registration; grows while components are built."""
     agents: dict[str, Any]
@@ -30,17 +50,30 @@ class ManagerContext(Protocol):
     node_freq_hz: float
     state: str | None
     timestamp: int
+    loop_stats: LoopStats
+    """Statistics of the main loop."""
+
+    def add_handshake_rule(self, name: str, predicate: Callable[[], object]) -> None:
+        """Add a condition that must hold before the main loop starts."""
+
+    def request_stop(self) -> None:
+        """End the main loop after the current tick."""
 
 
 class Component:
     """Base class of nodes, agents and handlers. It knows the manager, or works without one."""
 
-    manager: Any
-    """Manager, or None. Programs may use additions of their own manager class."""
-    logger: Any
-    """Logger of the manager, or one of its own: a `RosbaseLogger`.
+    manager: ManagerContext | None
+    """Manager; None without one.
 
-    With a `custom_logger` it also has the methods of that class.
+    To use additions of your own manager class with their types, keep it in an attribute of your
+    own: `self.robot = manager`.
+    """
+    logger: RosbaseLogger
+    """Logger of the manager, or one of its own.
+
+    With a `custom_logger` it also has the methods of that class. To use them, declare
+    `logger: Any` in the component.
     """
     name: str
     """Key in `nodes` or `agents` of the manager, or the name of a standalone node.
@@ -62,18 +95,20 @@ class Component:
         self._key = registration.take_key() if registration is not None else ""
         self._is_initialised = True
 
-    def __getattr__(self, name: str) -> Any:
-        """Return `name`, or explain why an attribute is missing. Python calls it for those.
+    if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
 
-        Raises:
-            AttributeError: There is no such attribute, or not yet.
-        """
-        if name == "name" and self._is_initialised:
-            # Not set in the constructor, because a subclass may have a property of that name.
-            return self._label
-        if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
-            raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        def __getattr__(self, name: str) -> Any:
+            """Return `name`, or explain why an attribute is missing. Python calls it for those.
+
+            Raises:
+                AttributeError: There is no such attribute, or not yet.
+            """
+            if name == "name" and self._is_initialised:
+                # Not set in the constructor, because a subclass may have a property of that name.
+                return self._label
+            if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
+                raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __repr__(self) -> str:
         return f"<{' '.join([type(self).__name__, *self._repr_parts()])}>"

@@ -11,6 +11,8 @@ __all__ = ["BaseHandlers"]
 class BaseHandlers(Component):
     """Base class of handlers, which decide once per tick what nodes and agents do next."""
 
+    manager: ManagerContext
+    """Manager; None in a test without one."""
     _plain_methods: ClassVar[tuple[str, ...]] = ("handle",)
 
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
