@@ -28,6 +28,7 @@ INTERNAL = {
         "roles.construction",
         "roles.context",
         "roles.keywords",
+        "roles.lookup",
         "roles.registration",
         "roles.shutdown",
         "runtime.stopping",

@@ -3,7 +3,7 @@
 import inspect
 import threading
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
@@ -28,6 +28,7 @@ from rosbase.roles.context import Component, must_call_base
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
+from rosbase.roles.lookup import find_component
 from rosbase.roles.node import BaseNode
 from rosbase.roles.registration import Registration
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
@@ -36,6 +37,9 @@ from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signa
 
 # Programs written for ros_base import the two functions from here.
 __all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_nodes"]
+
+NodeT = TypeVar("NodeT", bound=BaseNode)
+AgentT = TypeVar("AgentT", bound=BaseAgent)
 
 _HANDSHAKE_SLICE_NS = 100_000_000
 # Most waits are over before anybody wonders.
@@ -289,6 +293,26 @@ class BaseManager(Constructed):
     def add_handshake_rule(self, name: str, predicate: Callable[[], object]) -> None:
         """Add a condition that must hold before the main loop starts."""
         self._handshake.add(name, predicate)
+
+    def node(self, node_class: type[NodeT], name: str | None = None) -> NodeT:
+        """Return the node of that class, typed as such: the only one, or the one of that name.
+
+        Args:
+            node_class: Its class, or a base of it.
+            name: Its name in `nodes`, needed only if several nodes are of the class.
+
+        Raises:
+            LookupError: There is none, or several and no name.
+        """
+        return find_component(self.nodes, node_class, name, "node")
+
+    def agent(self, agent_class: type[AgentT], name: str | None = None) -> AgentT:
+        """Return the agent of that class, as `node` does for nodes.
+
+        Raises:
+            LookupError: There is none, or several and no name.
+        """
+        return find_component(self.agents, agent_class, name, "agent")
 
     def request_stop(self) -> None:
         """End the main loop after the current tick. Call it from any thread or signal handler."""

@@ -1,20 +1,26 @@
 """The view that nodes, agents and handlers have of their manager, if they have one."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from rosbase.contracts.backend import Backend
 from rosbase.logger import RosbaseLogger
 from rosbase.roles.callables import check_methods
+from rosbase.roles.lookup import find_component
 from rosbase.roles.registration import Registration
 from rosbase.runtime.rate import LoopStats
 
 if TYPE_CHECKING:
+    from rosbase.roles.agent import BaseAgent
     from rosbase.roles.handlers import BaseHandlers
+    from rosbase.roles.node import BaseNode
 
 __all__ = ["Component", "ManagerContext", "must_call_base"]
 
 _SET_BY_CONSTRUCTOR = ("manager", "logger", "_backend", "_connection", "_machine")
+
+NodeT = TypeVar("NodeT", bound="BaseNode")
+AgentT = TypeVar("AgentT", bound="BaseAgent")
 
 
 def must_call_base(built: object, arguments: str) -> str:
@@ -131,6 +137,27 @@ class Component:
     def agents(self) -> dict[str, Any]:
         """Agents of the manager by name; none without a manager."""
         return self.manager.agents if self.manager is not None else {}
+
+    def node(self, node_class: type[NodeT], name: str | None = None) -> NodeT:
+        """Return the manager's node of that class, typed as such.
+
+        Args:
+            node_class: Its class, or a base of it.
+            name: Its name in `nodes`, needed only if several nodes are of the class.
+
+        Raises:
+            LookupError: There is none, or several and no name. Nodes are built in the order of
+                `nodes_dict`.
+        """
+        return find_component(self.nodes, node_class, name, "node")
+
+    def agent(self, agent_class: type[AgentT], name: str | None = None) -> AgentT:
+        """Return the manager's agent of that class, as `node` does for nodes.
+
+        Raises:
+            LookupError: There is none, or several and no name.
+        """
+        return find_component(self.agents, agent_class, name, "agent")
 
     @property
     def timestamp(self) -> int:
