@@ -9,8 +9,8 @@ from rosbase.testing import virtual_backend
 from support.roles import StopAfter
 
 WORDS = """
-    action auto cfg commands done duration grasp handle joystick left missing publish ready reset
-    right robot select start step timer turn up
+    action agent auto cfg commands done duration grasp handle joystick latest left missing name node
+    publish ready reset right robot select start step timer turn up
 """
 NAMES = WORDS.split()
 

@@ -1,6 +1,7 @@
 """Timers over `use_sim_time`: on the machine's clock, on `/clock`, and from one to the other."""
 
 import itertools
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -12,8 +13,9 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.time import Time as RclpyTime
 from rosgraph_msgs.msg import Clock as ClockMessage
 
+from rosbase import BaseNode
 from rosbase.contracts.backend import BackendOptions, Timer
-from rosbase.messages import Time
+from rosbase.messages import Time, Vector3
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import TIMEOUT_S, spin_until
 
@@ -285,3 +287,23 @@ def test_nothing_is_said_of_a_clock_that_somebody_publishes(
     switch(backend, on=True)
     spin_until(backend, lambda: warnings_of(caplog))
     assert warnings_of(caplog) == [NOBODY]
+
+
+def test_the_age_of_the_latest_message_follows_the_clock_too(simulated: Ros2Backend) -> None:
+    node = BaseNode(backend=simulated)
+    force, publisher = node.latest(Vector3, "force"), node.create_publisher(Vector3, "force")
+
+    def has_arrived() -> bool:
+        publisher.publish(Vector3(x=1.0))
+        return force.value is not None
+
+    heartbeat = simulated.executor.create_timer(10_000_000, lambda: None)
+    spin_until(simulated, has_arrived)
+    heartbeat.destroy()
+    node.destroy_subscription(force.subscription)
+    assert force.age_s == 0.0
+    set_clock(simulated, START_S + 2.5)
+    assert force.age_s == 2.5
+    assert not force.is_fresh(2.0)
+    set_clock(simulated, 0.0)
+    assert force.age_s == math.inf

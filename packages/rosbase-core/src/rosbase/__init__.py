@@ -163,6 +163,9 @@ if TYPE_CHECKING:
     from rosbase.roles.handlers import (
         BaseHandlers,
     )
+    from rosbase.roles.latest import (
+        Latest,
+    )
     from rosbase.roles.lifecycle_node import (
         Autostart,
         LifecycleNode,
@@ -235,6 +238,7 @@ __all__ = [
     "ImuReader",
     "ImuSender",
     "ImuSimulator",
+    "Latest",
     "LifecycleNode",
     "LifecyclePublisher",
     "LineFramer",
@@ -360,6 +364,7 @@ _HOMES = {
     "ImuReader": "rosbase.imu.reader",
     "ImuSender": "rosbase.contracts.imu_sender",
     "ImuSimulator": "rosbase.imu.simulator",
+    "Latest": "rosbase.roles.latest",
     "LifecycleNode": "rosbase.roles.lifecycle_node",
     "LifecyclePublisher": "rosbase.roles.lifecycle_node",
     "LineFramer": "rosbase.framing",

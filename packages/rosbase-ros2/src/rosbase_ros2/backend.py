@@ -76,6 +76,10 @@ class Ros2Backend(RosNode, Backend):
         self._process.check_open()
         return self._timers.add(self.executor.create_timer(timer_period_ns(period_s), callback))
 
+    def timer_now_ns(self) -> int:
+        """Return the time of `/clock` while `use_sim_time` is true, else monotonic time."""
+        return self._timers.now_ns()
+
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer."""
         if isinstance(timer, RosTimer):

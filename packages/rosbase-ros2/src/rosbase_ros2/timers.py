@@ -87,6 +87,10 @@ class Timers:
         self._is_heard = False
         self._watch = clock.clock.create_jump_callback(_ANY_MOVE, post_callback=self._on_jump)
 
+    def now_ns(self) -> int:
+        """Return the time that the timers follow."""
+        return self._clock.now_ns() if self._clock.is_simulated else self._clock.monotonic_ns()
+
     def add(self, machine: ExecutorTimer) -> RosTimer:
         """Create a running timer, with the period and the callback of the executor's timer."""
         timer = RosTimer(self, machine)

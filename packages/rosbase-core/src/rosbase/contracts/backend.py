@@ -6,7 +6,7 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 
 May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
 `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,
-`imu_sender`, `create_timer`, `destroy_timer`.
+`imu_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
@@ -154,6 +154,15 @@ class Backend(NodeConnection):
         """Destroy a timer of this backend. Do nothing if it has ended."""
         if isinstance(timer, ExecutorTimer):
             timer.destroy()
+
+    def timer_now_ns(self) -> int:
+        """Return the time that timers follow, in nanoseconds from an arbitrary start.
+
+        Intervals are measured with it, such as the age of a message. It may be called from any
+        thread. It goes back only if the backend's own time does, such as simulated time that
+        starts again.
+        """
+        return self.clock.monotonic_ns()
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open the connection of a node that the manager registers under that name.

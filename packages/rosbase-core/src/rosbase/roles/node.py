@@ -23,6 +23,7 @@ from rosbase.roles.connection import connect, is_child, lone_node_name, open_bac
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
+from rosbase.roles.latest import Latest
 from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -117,6 +118,21 @@ class BaseNode(Constructed, Component):
         """
         check_callback(callback, "a timer")
         return self._connection.create_timer(timer_period_sec, callback)
+
+    def latest(
+        self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 1
+    ) -> Latest[MessageT]:
+        """Subscribe to a topic, and return an object that holds its latest message.
+
+        Args:
+            msg_type: The class of its messages.
+            topic: Its name.
+            qos_profile: As for a subscription. The latest message needs a depth of 1 only.
+        """
+        return Latest(
+            lambda keep: self.create_subscription(msg_type, topic, keep, qos_profile),
+            self._backend.timer_now_ns,
+        )
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
