@@ -171,6 +171,7 @@ def typing(session: nox.Session) -> None:
     session.run("mypy", "docs/conf.py", "docs/generators")
     programs = str(Path(session.create_tmp()) / "programs")
     session.run("python", "tests/check_programs.py", programs, env={"PYTHONPATH": "tests"})
+    session.run("python", "tests/check_typing_failures.py")
 
 
 @nox.session

@@ -1,4 +1,4 @@
-"""Checks the types of every documented program: `mypy --strict`, and pyright in basic mode.
+"""Checks the types of every documented program: `mypy --strict`, and pyright without settings.
 
 The programs are the Python blocks of the pages, the examples, and the template for a plugin:
 as it is rendered, and as its page fills it in.
@@ -85,7 +85,7 @@ def run_mypy(project: Path) -> int:
 def run_pyright(folder: Path, projects: list[Path]) -> int:
     """Run pyright once on all projects: most of its time is its start."""
     roots = [{"root": project.name, "extraPaths": [f"{project.name}/src"]} for project in projects]
-    config = {"typeCheckingMode": "basic", "executionEnvironments": roots}
+    config = {"typeCheckingMode": "standard", "executionEnvironments": roots}
     (folder / "pyrightconfig.json").write_text(json.dumps(config))
     options = ["--warnings", "--pythonpath", sys.executable, "--project", str(folder)]
     return subprocess.run([sys.executable, "-m", "pyright", *options], check=False).returncode
