@@ -84,20 +84,17 @@ class PickPlaceHandlers(BaseHandlers):
     @property
     def bridge(self) -> Bridge:
         """The way to the robot."""
-        bridge: Bridge = self.nodes["bridge"]
-        return bridge
+        return self.node(Bridge)
 
     @property
     def tracker(self) -> Tracker:
         """Where the target is."""
-        tracker: Tracker = self.nodes["tracker"]
-        return tracker
+        return self.node(Tracker)
 
     @property
     def confirmer(self) -> Confirmer:
         """Who is asked before something is done that cannot be undone."""
-        confirmer: Confirmer = self.agents["confirmer"]
-        return confirmer
+        return self.agent(Confirmer)
 
     # When: guards only look.
 

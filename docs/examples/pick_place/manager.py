@@ -3,6 +3,8 @@
 from collections.abc import Collection
 from typing import Any
 
+from bridge import Bridge
+from camera import Camera
 from handlers import PickPlaceHandlers
 from rosbase import BaseManager
 
@@ -14,10 +16,10 @@ class PickPlaceRUN(BaseManager):
         kwargs["handlers_class"] = PickPlaceHandlers
         super().__init__(*args, **kwargs)
         if "img" in wait:
-            self.add_handshake_rule("Camera Stream", lambda: self.nodes["camera"].img is not None)
+            self.add_handshake_rule("Camera Stream", lambda: self.node(Camera).img is not None)
         if "robot" in wait:
             self.add_handshake_rule(
-                "Robot Connection", lambda: self.nodes["bridge"].joints is not None
+                "Robot Connection", lambda: self.node(Bridge).joints is not None
             )
 
     def release_resources(self) -> None:

@@ -4,7 +4,7 @@ from typing import Any
 
 from angles import roll_of
 from rosbase import BaseNode
-from rosbase.messages import Imu, Joy, Pose, PoseStamped, String, Twist, Vector3
+from rosbase.messages import Imu, Joy, PoseStamped, String, Twist, Vector3
 
 PERIOD_S = 0.02
 FALLEN_RAD = 0.8
@@ -20,52 +20,41 @@ class Bridge(BaseNode):
 
     def __init__(self, manager: Any = None, **kwargs: Any) -> None:
         super().__init__(manager, **kwargs)
-        self.joy: Joy | None = None
-        self.imu: Imu | None = None
-        self.pose: Pose | None = None
+        self.joy = self.latest(Joy, "joy")
+        self.imu = self.latest(Imu, "imu")
+        self.pose = self.latest(PoseStamped, "pose")
         self.gait = "lie"
         self.velocity = Twist()
         self.cmd_vel = self.create_publisher(Twist, "cmd_vel")
         self.gaits = self.create_publisher(String, "gait")
         self.states = self.create_publisher(String, "state")
-        self.create_subscription(Joy, "joy", self.on_joy)
-        self.create_subscription(Imu, "imu", self.on_imu)
-        self.create_subscription(PoseStamped, "pose", self.on_pose)
         self.create_timer(PERIOD_S, self.send)
-
-    def on_joy(self, message: Joy) -> None:
-        """Called with what the operator does."""
-        self.joy = message
-
-    def on_imu(self, message: Imu) -> None:
-        """Called with how the body leans."""
-        self.imu = message
-
-    def on_pose(self, message: PoseStamped) -> None:
-        """Called with where the body is."""
-        self.pose = message.pose
 
     def stick(self) -> Twist:
         """What the operator's stick asks for."""
-        if self.joy is None:
+        joy = self.joy.value
+        if joy is None:
             return Twist()
-        left, forward = self.joy.axes
+        left, forward = joy.axes
         return Twist(Vector3(x=0.8 * forward), Vector3(z=1.5 * left))
 
     def is_pressed(self, button: int) -> bool:
         """Whether the operator holds that button."""
-        return self.joy is not None and self.joy.buttons[button] == 1
+        joy = self.joy.value
+        return joy is not None and joy.buttons[button] == 1
 
     def has_fallen(self) -> bool:
         """Whether the body lies on its side."""
-        return self.imu is not None and abs(roll_of(self.imu.orientation)) > FALLEN_RAD
+        imu = self.imu.value
+        return imu is not None and abs(roll_of(imu.orientation)) > FALLEN_RAD
 
     def is_standing(self) -> bool:
         """Whether the body is level, and as high as its legs are long."""
-        if self.imu is None or self.pose is None:
+        imu, pose = self.imu.value, self.pose.value
+        if imu is None or pose is None:
             return False
-        is_level = abs(roll_of(self.imu.orientation)) < LEVEL_RAD
-        return is_level and self.pose.position.z > STANDING_M
+        is_level = abs(roll_of(imu.orientation)) < LEVEL_RAD
+        return is_level and pose.pose.position.z > STANDING_M
 
     def command(self, gait: str, velocity: Twist | None = None) -> None:
         """Has the legs do that until told otherwise."""
@@ -76,7 +65,8 @@ class Bridge(BaseNode):
         """Called by the timer."""
         self.gaits.publish(String(self.gait))
         self.cmd_vel.publish(self.velocity)
-        self.states.publish(String(self.manager.state))
+        state = self.manager.state if self.manager is not None else None
+        self.states.publish(String(state or ""))
 
     def release_resources(self) -> None:
         """Called by the manager at the end: the legs must not walk on."""

@@ -62,14 +62,12 @@ class QuadrupedHandlers(BaseHandlers):
     @property
     def bridge(self) -> Bridge:
         """The way to legs and operator."""
-        bridge: Bridge = self.nodes["bridge"]
-        return bridge
+        return self.node(Bridge)
 
     @property
     def planner(self) -> Planner:
         """The way to the goal."""
-        planner: Planner = self.agents["planner"]
-        return planner
+        return self.agent(Planner)
 
     # When: guards only look.
 
@@ -123,8 +121,8 @@ class QuadrupedHandlers(BaseHandlers):
 
     def plan(self) -> None:
         """Has the planner look at where the robot is."""
-        if self.bridge.pose is not None:
-            self.planner.plan(self.bridge.pose)
+        if self.bridge.pose.value is not None:
+            self.planner.plan(self.bridge.pose.value.pose)
 
     def lie_down(self) -> None:
         """Lies down, and ends the run."""

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from bridge import Bridge
 from handlers import QuadrupedHandlers
 from rosbase import BaseManager
 
@@ -12,9 +13,10 @@ class QuadrupedManager(BaseManager):
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         kwargs["handlers_class"] = QuadrupedHandlers
         super().__init__(*args, **kwargs)
-        self.add_handshake_rule("Legs: attitude", lambda: self.nodes["bridge"].imu is not None)
-        self.add_handshake_rule("Legs: pose", lambda: self.nodes["bridge"].pose is not None)
-        self.add_handshake_rule("Joystick", lambda: self.nodes["bridge"].joy is not None)
+        bridge = self.node(Bridge)
+        self.add_handshake_rule("Legs: attitude", lambda: bridge.imu.value is not None)
+        self.add_handshake_rule("Legs: pose", lambda: bridge.pose.value is not None)
+        self.add_handshake_rule("Joystick", lambda: bridge.joy.value is not None)
 
     def release_resources(self) -> None:
         """Called when the application ends, however it ends."""
