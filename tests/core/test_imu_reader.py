@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any, cast
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from rosbase.contracts.backend import BackendOptions
 from rosbase.contracts.transport import TransportState
 from rosbase.errors import (
+    BackendError,
     ConfigurationError,
     DeviceNotFoundError,
     MappingError,
@@ -386,6 +388,25 @@ def test_a_device_that_is_not_written_yet_is_failure_in_one_line(rigs: Callable[
     rig = rigs(failure=NotImplementedError("step 3"))
     assert rig.reader.trigger_configure() is CallbackReturn.FAILURE
     assert str(rig.reader.last_error) == "transport 'scripted' is not finished: step 3"
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError(), BackendError("no")])
+def test_whatever_ends_configure_the_device_is_closed(
+    rigs: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    rig = rigs()
+    opened: list[bool] = []
+
+    def fail(*arguments: Any) -> None:
+        opened.append(rig.transport.is_open)
+        raise error
+
+    monkeypatch.setattr(rig.backend, "create_publisher", fail)
+    with suppress(KeyboardInterrupt):
+        rig.reader.trigger_configure()
+    assert opened == [True]
+    assert not rig.transport.is_open
+    assert rig.reader.get_state() is State.UNCONFIGURED
 
 
 def test_a_device_that_was_refused_is_not_what_it_is_said_to_be(rigs: Callable[..., Rig]) -> None:

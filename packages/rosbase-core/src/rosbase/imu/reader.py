@@ -131,19 +131,22 @@ class ImuReader(LifecycleNode):
         try:
             settings = self._read_settings()
             transport = self._make_transport(settings)
-            # Only now: what it says of the device must not be what nobody has looked at.
-            self._settings = settings
-            with finished(settings.transport):
-                _open(transport)
         except (ConfigurationError, TransportError) as error:
             self.last_error = error
             return CallbackReturn.FAILURE
+        # Only now: what it says of the device must not be what nobody has looked at.
+        self._settings = settings
         try:
+            with finished(settings.transport):
+                _open(transport)
             self._topics = Publishers(self._publisher, settings.topic_namespace)
-        except BackendError as error:
-            # Such as a topic that carries something else already.
+        except BaseException as error:
+            # Such as a topic that carries something else already, or a signal: nobody else knows
+            # the transport yet.
             transport.close()
             self._release()
+            if not isinstance(error, (BackendError, ConfigurationError, TransportError)):
+                raise
             self.last_error = error
             return CallbackReturn.FAILURE
         self._replace_transport(transport)
