@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 # program's own rclpy. The nodes of one process, each a node of ROS, share a context. A serial
 # port has surroundings, each a subject of its own: the driver, other programs and who they are,
 # two kinds of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 31}
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 37}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -230,7 +230,7 @@ def test_what_rclpy_says_at_a_date_that_is_none_is_said_with_the_date(
         raise AssertionError("The 'sec' field must be an integer")
 
     monkeypatch.setattr(starting, "SystemClock", lambda: ManualClock(Y2110_NS))
-    monkeypatch.setattr("rclpy.create_node", refuse)
+    monkeypatch.setattr(starting, "SharedNode", refuse)
     with pytest.raises(BackendError, match=r"is 2110-01-01 .* \(The 'sec' field must be"):
         Ros2Backend(BackendOptions("n"))
 

@@ -17,9 +17,12 @@ from rosbase import BaseHandlers, BaseManager, BaseNode
 from rosbase.messages import String
 
 PLACE = sys.argv[1]
+is_looping = threading.Event()
 
 
 def loop():
+    if threading.current_thread() is threading.main_thread():
+        is_looping.set()
     while rclpy.ok():
         time.sleep(0.02)
     print("host ends", flush=True)
@@ -34,6 +37,9 @@ def block_in(place):
 class Talker(BaseNode):
     def __init__(self, manager=None, **kwargs):
         super().__init__(manager, **kwargs)
+        if "lent" in PLACE:
+            # It has called no `rclpy.init()`.
+            host.start()
         if PLACE == "init in constructor":
             rclpy.init()
             host.start()
@@ -48,14 +54,17 @@ class Talker(BaseNode):
 class Handlers(BaseHandlers):
     def handle(self):
         if self.timestamp == 0:
-            if PLACE == "init in handle":
+            if PLACE.startswith("init in handle"):
                 rclpy.init()
                 host.start()
+            if PLACE == "on a thread":
+                # The signal must not come before the main thread is in its loop.
+                is_looping.wait()
             print("running", flush=True)
         if PLACE == "loop in handle":
             loop()
         if self.timestamp == 10:
-            if PLACE == "shutdown":
+            if PLACE in ("shutdown", "shutdown, lent", "init in handle, shutdown"):
                 rclpy.shutdown()
             if PLACE == "try_shutdown":
                 rclpy.try_shutdown()
@@ -91,7 +100,7 @@ class App(BaseManager):
 
 ENDS_LATE = ("stop", "raise", "shutdown of the node's")
 host = threading.Thread(target=loop)
-if not PLACE.startswith("init"):
+if not (PLACE.startswith("init") or "lent" in PLACE):
     rclpy.init()
     host.start()
 if PLACE == "lone node":
@@ -216,6 +225,28 @@ def test_without_a_signal_rclpy_is_there_until_resources_are_released(
     else:
         assert (status, lines) == (1, ["host ends", "released True"])
         assert "ValueError: no cup" in err
+
+
+@pytest.mark.parametrize("place", ["shutdown, lent", "init in handle, shutdown"])
+def test_a_shutdown_ends_the_manager_whoever_has_initialised_rclpy_and_when(
+    place: str, tmp_path: Path
+) -> None:
+    with running(tmp_path, HOST, place) as program:
+        program.read_until("running")
+        status, out, err = program.end()
+    assert (status, sorted(out.splitlines())) == (
+        0,
+        ["host ends", "released False", "returned False"],
+    ), err
+    assert err.count("rclpy has been shut down, so the program ends") == 1
+    assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("signum", SIGNALS)
+def test_a_loop_on_rclpy_ok_needs_no_init(signum: int, tmp_path: Path) -> None:
+    with running(tmp_path, HOST, "lent") as program:
+        status, out, err = stopped(program, signum)
+    assert (status, out, err) == (0, ["host ends", "released False", "returned False"], "")
 
 
 def test_afterwards_signals_do_what_they_did_before_rclpy(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 import rclpy
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import String as RosString
 
 from rosbase import BaseManager, BaseNode
@@ -37,15 +37,16 @@ class Listener:
         self.heard: list[Any] = []
         self.node.create_subscription(Log, "/rosout", self.heard.append, LATCHED)
 
-    def await_text(self, name: str, last: str) -> list[Any]:
-        """The records of that node, when the one with that text is here."""
+    def await_text(self, name: str, last: str, *, alone: bool = False) -> list[Any]:
+        """The records of that node, or those with that text, when one with it is here."""
 
         def arrived() -> bool:
             self.executor.spin_once(timeout_sec=0.02)
             return any((record.name, record.msg) == (name, last) for record in self.heard)
 
         wait_until(arrived, f"{last!r} of {name}, not {self.heard}")
-        return [record for record in self.heard if record.name == name]
+        records = [record for record in self.heard if record.name == name]
+        return [record for record in records if not alone or record.msg == last]
 
 
 @pytest.fixture
@@ -103,10 +104,12 @@ walker.logger.info("after the end")
 
 
 @contextmanager
-def running(tmp_path: Path, *arguments: str) -> "Iterator[subprocess.Popen[str]]":
+def running(
+    tmp_path: Path, *arguments: str, source: str = PROGRAM
+) -> "Iterator[subprocess.Popen[str]]":
     """The program, which has ended afterwards."""
     program = tmp_path / "program.py"
-    program.write_text(PROGRAM)
+    program.write_text(source)
     with subprocess.Popen(
         [sys.executable, str(program), *arguments],
         stdout=subprocess.PIPE,
@@ -185,15 +188,107 @@ def test_disabled_logs_go_to_the_console_alone(tmp_path: Path) -> None:
     assert "[INFO] [walker]: 100 % ready\n" in without_times(console)
 
 
-def test_the_publisher_is_as_that_of_any_ros_node(start: Callable[..., Ros2Backend]) -> None:
+def test_a_node_has_one_publisher_as_any_ros_node(
+    start: Callable[..., Ros2Backend], listener: Listener
+) -> None:
     backend = start("any")
-    rcls, ours = (
-        end
-        for end in backend.node.get_publishers_info_by_topic("/rosout")
-        if end.node_name == "any"
-    )
+
+    def publishers_of(name: str) -> list[Any]:
+        found = backend.node.get_publishers_info_by_topic("/rosout")
+        return [end for end in found if end.node_name == name]
+
+    wait_until(lambda: publishers_of("listener"), "the publisher of rcl")
+    (ours,), (rcls, *_) = publishers_of("any"), publishers_of("listener")
     assert rcls.qos_profile == ours.qos_profile
     assert ours.qos_profile.lifespan.nanoseconds == 10_000_000_000
+
+
+NATIVE = """
+import sys
+from rosbase import BackendOptions, BaseNode
+from rosbase_ros2.backend import Ros2Backend
+
+backend = Ros2Backend(BackendOptions("walker"))
+node = BaseNode(backend=backend, node_name="walker")
+rosout = backend.log_handler.publisher
+while "wait" in sys.argv and not rosout.get_subscription_count():
+    backend.spin_once(0.05)
+logger = backend.node.get_logger()
+logger.debug("looking")
+for _ in range(2):
+    logger.info("ready", once=True)
+logger.get_child("leg").warning("bent")
+logger.get_child("leg").get_child("foot").error("cold")
+node.logger.info("end")
+backend.close()
+logger.fatal("after the end")
+"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "looks"), [([], False), (["--log-level", "walker:=debug"], True)]
+)
+def test_what_native_code_logs_is_on_rosout_once_and_on_the_console_once(
+    listener: Listener, tmp_path: Path, arguments: list[str], looks: bool
+) -> None:
+    with running(tmp_path, "wait", "--ros-args", *arguments, source=NATIVE) as program:
+        listener.await_text("walker", "end")
+        _, console = program.communicate(timeout=30)
+    for _ in range(10):
+        listener.executor.spin_once(timeout_sec=0.02)
+    records = [record for record in listener.heard if record.name.startswith("walker")]
+    expected = [
+        *([(10, "walker", "looking")] if looks else []),
+        (20, "walker", "ready"),
+        (30, "walker.leg", "bent"),
+        (40, "walker.leg.foot", "cold"),
+        (20, "walker", "end"),
+    ]
+    assert [(r.level, r.name, r.msg) for r in records] == expected
+    bent = next(record for record in records if record.msg == "bent")
+    assert (bent.file, bent.function) == (str(tmp_path / "program.py"), "<module>")
+    assert NATIVE.splitlines()[bent.line - 1] == 'logger.get_child("leg").warning("bent")'
+    levels = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+    lines = [line for line in console.splitlines() if "] [walker" in line]
+    assert without_times("\n".join(lines)).splitlines() == [
+        f"[{levels[level]}] [{name}]: {text}"
+        for level, name, text in (*expected, (50, "walker", "after the end"))
+    ]
+
+
+def test_disabled_logs_of_native_code_go_to_the_console_alone(
+    listener: Listener, tmp_path: Path
+) -> None:
+    with running(tmp_path, "--ros-args", "--disable-rosout-logs", source=NATIVE) as program:
+        out, console = program.communicate(timeout=30)
+    assert (program.returncode, out) == (0, ""), console
+    assert "[INFO] [walker]: ready\n" in without_times(console)
+    assert "walker" not in {record.name for record in listener.heard}
+
+
+@pytest.mark.parametrize("creator", ["rosbase", "native"])
+def test_ends_of_a_topic_that_do_not_match_are_on_rosout(
+    start: Callable[..., Ros2Backend], listener: Listener, creator: str
+) -> None:
+    backend = start("strict")
+    node = backend if creator == "rosbase" else backend.node
+    node.create_subscription(RosString, "asked", print, LATCHED)
+    node.create_publisher(RosString, "offered", qos_profile_sensor_data)
+    listener.node.create_publisher(RosString, "asked", 10)
+    listener.node.create_subscription(RosString, "offered", print, 10)
+    (asked,) = listener.await_text(
+        "strict",
+        "New publisher discovered on topic 'asked', offering incompatible QoS. No messages will be"
+        " received from it. Last incompatible policy: DURABILITY",
+        alone=True,
+    )
+    (offered,) = listener.await_text(
+        "strict",
+        "New subscription discovered on topic 'offered', requesting incompatible QoS. No messages"
+        " will be sent to it. Last incompatible policy: RELIABILITY",
+        alone=True,
+    )
+    assert (asked.level, offered.level) == (30, 30)
 
 
 def test_two_backends_in_one_process_publish_their_own_records_only(

@@ -13,17 +13,30 @@ from support.blocking_program import (
 )
 from support.program import running
 
+WITH_RCLPY = BLOCKING_PROGRAM.replace(
+    """    elif PLACE.startswith("loop"):
+""",
+    """    elif PLACE.startswith("future"):
+        rclpy.spin_until_future_complete(manager.backend.node, rclpy.Future())
+    elif PLACE.startswith("rclpy"):
+        rclpy.spin(manager.backend.node)
+    elif PLACE.startswith("loop"):
+""",
+)
+assert WITH_RCLPY != BLOCKING_PROGRAM
 PROGRAM = f"""
 import warnings
 # rclpy imports a parser that imports what Python has deprecated.
 warnings.simplefilter("ignore", DeprecationWarning)
-{BLOCKING_PROGRAM}
+import rclpy
+{WITH_RCLPY}
 """
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 PLACES = [
     *("handle", "handshake", "callback", "on_configure"),
     *("loop in handle", "spin in handle", "native in handle"),
     *("loop in handshake", "spin in handshake"),
+    *("future in handle", "rclpy in handle", "future in handshake", "future in callback"),
 ]
 
 

@@ -64,7 +64,7 @@ class Camera(BaseNode):
             block()
 
     def keep(self, message):
-        if PLACE == "callback":
+        if PLACE.endswith("callback"):
             block()
 
     def release_resources(self):

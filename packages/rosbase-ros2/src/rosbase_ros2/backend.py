@@ -64,7 +64,8 @@ class Ros2Backend(RosNode, Backend):
             raise
         if warning:
             self._logger.warning(warning)
-        self._host = Host(self._logger.info)
+        with arguments.for_rcl() as taken:
+            self._host = Host(self._logger.info, taken)
         self._timers = Timers(self.clock, self.call_soon)
         self._sim_time = SimTimeWatch(node, self.clock, self.executor, self._logger.warning)
         if self.given_names or arguments.files:
@@ -107,13 +108,12 @@ class Ros2Backend(RosNode, Backend):
 
     def begin_run(self, request_stop: Callable[[], object]) -> None:
         """End the run when the program shuts rclpy down, in any way."""
-        if self._host.begin_run(request_stop):
-            self._spinner.look_now_and_then(self._host.look)
+        self._host.begin_run(request_stop, self._spinner)
         if not self._process.context.ok():
             request_stop()
 
     def end_run(self) -> None:
-        """Shut rclpy down, if the program has initialised it: `rclpy.ok()` is false from now on."""
+        """Shut rclpy down: `rclpy.ok()` is false from now on, unless another manager runs."""
         self._host.end_run()
 
     def close(self) -> None:
@@ -135,6 +135,7 @@ class Ros2Backend(RosNode, Backend):
             self._sim_time.close()
             self.node.destroy_node()
         process.context.try_shutdown()
+        self._host.close()
         self.executor.close()
 
     def _end_with_context(self) -> None:

@@ -13,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
 
 from rosbase import Clock
+from rosbase_ros2.shared_node import OwnGroup
 
 __all__ = ["Retirement", "await_delivery"]
 
@@ -46,7 +47,7 @@ class Retirement:
         if self._publishers and self._timer is None:
             # Not the node's clock, which may be that of a simulation.
             clock = RclpyClock(clock_type=ClockType.STEADY_TIME)
-            self._timer = self._node.create_timer(_LOOK_S, self._look, clock=clock)
+            self._timer = self._node.create_timer(_LOOK_S, self._look, OwnGroup(), clock)
         elif self._timer is not None and not self._publishers:
             self._node.destroy_timer(self._timer)
             self._timer = None

@@ -14,7 +14,6 @@ from functools import partial
 from typing import Any
 
 from lifecycle_msgs import msg, srv
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -29,6 +28,7 @@ from rosbase import (
 from rosbase.lifecycle import TRANSITIONS, Transition
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.refusals import RCLError, Refusals
+from rosbase_ros2.shared_node import OwnGroup
 
 __all__ = ["LifecycleServices"]
 
@@ -90,9 +90,8 @@ class LifecycleServices:
             _settle(answer, success=False)
 
     def _create_services(self) -> None:
-        # In a group of the usual kind no other service would be answered while change_state
-        # waits.
-        group = ReentrantCallbackGroup()
+        # A reentrant one: else no other service would be answered while change_state waits.
+        group = OwnGroup()
         callbacks = (
             ("change_state", srv.ChangeState, self._change_state),
             ("get_state", srv.GetState, self._get_state),
@@ -141,9 +140,9 @@ class LifecycleServices:
 
     def _hand_over(self, wanted: Any) -> Any:
         """Queue a transition for the main loop; return the future of its success."""
-        answer: Any = Future(executor=self._node.executor)
-        # A future wakes the executor only to run such callbacks; what awaits it does not count.
-        answer.add_done_callback(_nothing)
+        answer: Any = Future()
+        # Otherwise the executor would not notice that what awaits it can go on.
+        answer.add_done_callback(lambda _: self._node.executor.wake())
         with self._lock:
             # Not queued: by the time its turn came, the state would be another one.
             busy = self._managed.describe_transition() or ("busy" if self._waiting else "")
@@ -204,10 +203,6 @@ def _settle(answer: Any, *, success: bool) -> None:
     except Exception:
         # The executor has been shut down and can no longer be woken: nobody waits.
         pass
-
-
-def _nothing(answer: Any) -> None:
-    """Do nothing: called by a future to wake its executor."""
 
 
 def _state(state: State) -> Any:

@@ -37,6 +37,7 @@ from rosbase_ros2.qos_overrides import QoSOverrides
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
+from rosbase_ros2.shared_node import OwnGroup, SharedNode
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.starting import is_enabled
 from rosbase_ros2.topics import RosPublisher, RosSubscription
@@ -54,7 +55,7 @@ class RosNode(NodeConnection):
     def set_up(
         self,
         process: Process,
-        node: Any,
+        node: SharedNode,
         values: Mapping[str, ParameterValue],
         on_context_end: Callable[[], object],
     ) -> None:
@@ -78,7 +79,9 @@ class RosNode(NodeConnection):
         self.clock = clock = RosClock(node)
         self.log_name = node.get_logger().name
         self.has_console_log = is_enabled("stdout-logs", process.words)
-        self.log_handler = self._rosout = RosoutHandler(node, process.log_file)
+        self.log_handler = self._rosout = RosoutHandler(
+            node, process.log_file, is_published=is_enabled("rosout-logs", process.words)
+        )
         self._logger = make_logger(
             self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
         )
@@ -247,7 +250,11 @@ class RosNode(NodeConnection):
             options = self._overrides.options(name, end)
             # rclpy changes the profile, which may be used for other topics too.
             profile = copy.copy(profile) if options else profile
-            return create(ros_type, topic, *callback, profile, qos_overriding_options=options)
+            return create(
+                *(ros_type, topic, *callback, profile),
+                qos_overriding_options=options,
+                callback_group=OwnGroup(),
+            )
         except Exception as error:
             reason = one_line(str(error))
             if fault := self._refusals.explain(error):
@@ -260,7 +267,7 @@ class RosNode(NodeConnection):
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.
-        ends = (end for n in self._process.nodes for end in (*n.publishers, *n.subscriptions))
+        ends = (end for n in self._process.nodes for end in (*n.publishers, *n.entities("subscriptions")))
         for end in ends:
             if end.topic_name == name and end.msg_type is not ros_type:
                 known, new = name_of(end.msg_type), name_of(ros_type)

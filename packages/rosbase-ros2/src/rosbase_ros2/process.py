@@ -8,6 +8,7 @@ from attrs import define, field
 from rosbase import BackendError, BackendOptions, Executor
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.log_file import LogFile
+from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.starting import is_enabled
 from rosbase_ros2.written import RosArguments
 
@@ -30,7 +31,7 @@ class Process:
     conversions: Conversions
     log_file: LogFile | None = field(init=False, default=None)
     """Log file of ROS, if there is one."""
-    nodes: list[Any] = field(init=False, factory=list)
+    nodes: list[SharedNode] = field(init=False, factory=list)
     """Nodes of rclpy."""
     is_closed: bool = field(init=False, default=False)
 

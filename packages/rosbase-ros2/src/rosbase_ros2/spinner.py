@@ -2,7 +2,8 @@
 
 So the main loop keeps its rate and its cost whatever rclpy does. Services are answered while the
 main thread is busy. The EventsExecutor of rclpy would cost a third for each message, but it cannot
-run the coroutines for such answers.
+run the coroutines for such answers. It serves only what rosbase has created on the node; for the
+rest there is a NativeExecutor.
 """
 
 import threading
@@ -12,6 +13,8 @@ from typing import Any
 from rclpy.executors import SingleThreadedExecutor
 
 from rosbase import SystemClock, background_thread
+from rosbase_ros2.native import NativeExecutor
+from rosbase_ros2.shared_node import SharedNode
 
 __all__ = ["Spinner"]
 
@@ -29,7 +32,7 @@ class Spinner:
     def __init__(
         self,
         context: Any,
-        node: Any,
+        node: SharedNode,
         report: Callable[[BaseException], object],
         on_context_end: Callable[[], object],
     ) -> None:
@@ -38,11 +41,13 @@ class Spinner:
         Args:
             context: The node's rclpy context.
             node: The rclpy node.
-            report: Called with the exception of a foreign callback; spinning goes on.
+            report: Called with the exception of a foreign callback, on the thread that has run
+                it; spinning goes on.
             on_context_end: Called on this thread when the context ends first.
         """
         self.executor = SingleThreadedExecutor(context=context)
-        self.executor.add_node(node)
+        self.executor.add_node(node.own)
+        self._native = NativeExecutor(context, node, self.executor.wake, report)
         self._context = context
         self._node = node
         self._report = report
@@ -57,12 +62,12 @@ class Spinner:
 
     @property
     def is_current_thread(self) -> bool:
-        """Whether the caller runs on this thread."""
-        return threading.current_thread() is self._thread
+        """Whether the caller is a callback of rclpy, of either side of the node."""
+        return threading.current_thread() is self._thread or self._native.is_current_thread
 
     def call(self, function: Callable[[], object], patience_s: float = _CALL_S) -> None:
         """Run a function between two callbacks, and wait a moment for it."""
-        if self.is_current_thread or not self._thread.is_alive():
+        if threading.current_thread() is self._thread or not self._thread.is_alive():
             function()
             return
         done = threading.Event()
@@ -84,19 +89,25 @@ class Spinner:
 
         self.call(begin)
 
+    def look_soon(self, look: Callable[[], object]) -> None:
+        """Call `look` once, on this thread, without waiting for it."""
+        if self._thread.is_alive():
+            self.executor.create_task(look)
+
     def close(self) -> bool:
-        """End the thread; return whether it has ended in time."""
+        """End the threads; return whether all have ended in time."""
         # What is ready goes first, such as the answer to who asked for the last transition.
         self.call(_nothing, _END_S)
         self._ending = True
         self.executor.create_task(_nothing)
-        if not self.is_current_thread:
+        if threading.current_thread() is not self._thread:
             self._thread.join(_END_S)
+        has_native_ended = self._native.close(_END_S)
         if self._thread.is_alive():
             return False
-        self.executor.remove_node(self._node)
+        self.executor.remove_node(self._node.own)
         self.executor.shutdown()
-        return True
+        return has_native_ended
 
     def _run(self) -> None:
         # A program can end the context itself: nothing comes in then.

@@ -17,6 +17,7 @@ from rosbase_ros2.machine import (
     memory_fault,
     spare_shared_memory,
 )
+from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.written import RosArguments
 
 __all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node", "start_other_node"]
@@ -40,7 +41,7 @@ def prepare_machine() -> str:
     return spare_shared_memory(os.environ, middleware, free)
 
 
-def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -> Any:
+def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -> SharedNode:
     """Return a new rclpy node, in a context that is started with it.
 
     Args:
@@ -61,7 +62,7 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
         name = options.node_name
         # What the command line calls the manager would else be the name of its children too.
         own = _named(name) if options.is_child else None
-        return rclpy.create_node(name, context=context, cli_args=own, parameter_overrides=overrides)
+        return SharedNode(name, context=context, cli_args=own, parameter_overrides=overrides)
     except Exception as error:
         context.try_shutdown()
         reason = one_line(arguments.named_by_user(str(error)))
@@ -73,7 +74,7 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
         raise _does_not_start(reason) from error
 
 
-def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterValue]) -> Any:
+def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterValue]) -> SharedNode:
     """Return a new rclpy node beside the first, in the same context and namespace.
 
     Args:
@@ -86,7 +87,7 @@ def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterV
     """
     given = [rclpy.Parameter(key, value=value) for key, value in overrides.items()]
     try:
-        return rclpy.create_node(
+        return SharedNode(
             name, context=context, cli_args=_named(name), parameter_overrides=given
         )
     except Exception as error:
