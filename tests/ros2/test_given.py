@@ -136,7 +136,9 @@ def test_a_publisher_offers_what_it_is_given(
     )
     # The profile is the program's, and the other topic's too.
     assert profile_of(backend, "/others") == mine == QoSProfile(depth=3)
-    (subscription,) = [s for s in backend.node.subscriptions if s.topic_name == "/words"]
+    (subscription,) = [
+        s for s in backend.node.entities("subscriptions") if s.topic_name == "/words"
+    ]
     assert subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
     # As with rclpy, a parameter says what counts, and cannot be set.
     name = "qos_overrides./words.publisher.reliability"

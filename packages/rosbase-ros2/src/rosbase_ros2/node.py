@@ -267,7 +267,11 @@ class RosNode(NodeConnection):
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.
-        ends = (end for n in self._process.nodes for end in (*n.publishers, *n.entities("subscriptions")))
+        ends = (
+            end
+            for n in self._process.nodes
+            for end in (*n.publishers, *n.entities("subscriptions"))
+        )
         for end in ends:
             if end.topic_name == name and end.msg_type is not ros_type:
                 known, new = name_of(end.msg_type), name_of(ros_type)

@@ -74,7 +74,9 @@ def start_node(context: Any, options: BackendOptions, arguments: RosArguments) -
         raise _does_not_start(reason) from error
 
 
-def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterValue]) -> SharedNode:
+def start_other_node(
+    context: Any, name: str, overrides: Mapping[str, ParameterValue]
+) -> SharedNode:
     """Return a new rclpy node beside the first, in the same context and namespace.
 
     Args:
@@ -87,9 +89,7 @@ def start_other_node(context: Any, name: str, overrides: Mapping[str, ParameterV
     """
     given = [rclpy.Parameter(key, value=value) for key, value in overrides.items()]
     try:
-        return SharedNode(
-            name, context=context, cli_args=_named(name), parameter_overrides=given
-        )
+        return SharedNode(name, context=context, cli_args=_named(name), parameter_overrides=given)
     except Exception as error:
         raise BackendError(f"node {name!r} cannot be created: {one_line(str(error))}") from error
 
