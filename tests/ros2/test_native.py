@@ -249,7 +249,7 @@ def test_parameters_that_a_native_callback_sets_are_checked_on_the_main_loop(
 ) -> None:
     asked: list[threading.Thread] = []
 
-    def note(parameters: list[Parameter]) -> SetParametersResult:
+    def note(parameters: list[Parameter[Any]]) -> SetParametersResult:
         asked.append(threading.current_thread())
         return SetParametersResult(successful=True)
 
