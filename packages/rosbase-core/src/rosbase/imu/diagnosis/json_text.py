@@ -9,34 +9,34 @@ from rosbase.imu.diagnosis.cause import Cause, shown
 __all__ = ["contains_json", "diagnose_json"]
 
 _NUMBER = r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
-# A frame may be long and hostile. Where a run of blanks could be divided in many ways, the
-# quantifiers are possessive.
+# A frame may be long and hostile, so each pattern divides a text in one way only: what follows a
+# run of characters never begins with one of them.
 _MOST_TEXT = 4_000
 _MOST_STARTS = 12
 _LONGEST_NAME = 60
 _BUFFERS = (32, 64, 100, 128, 200, 256, 300, 500, 512, 1000, 1024, 2048, 4096)
 
-_START = re.compile(r"\{\s*+[\"'}\w]|\[\s*+[-\d\"{\[]")
-_TIMESTAMP = re.compile(r"\[?\d{1,2}:\d{2}:\d{2}([.,]\d+)?\]?\s*+(->|>)?\s*")
+_START = re.compile(r"\{\s*[\"'}\w]|\[\s*[-\d\"{\[]")
+_TIMESTAMP = re.compile(r"\[?\d{1,2}:\d{2}:\d{2}([.,]\d+)?\]?(\s*(->|>))?\s*")
 _ESP_LOG = re.compile(r"(\x1b\[[\d;]*m)?[EWIDV] \(\d+\) ")
 _NAME = re.compile(r"[:=]\s?$|^[\w/.-]+\s?$")
 _CHECKSUM = re.compile(r"\s?\*\s?[0-9A-Fa-f]{2,8}")
-_COMMA = re.compile(r"(:\s*+-?\d++),(\d++\s*+[,}\]])")
+_COMMA = re.compile(r"(:\s*-?\d+),(\d+\s*[,}\]])")
 _C_NUMBERS = re.compile(
-    r"([:,\[]\s*+)[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#\w+)(?=\s*+[,}\]])", re.I
+    r"([:,\[]\s*)[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#\w+)(?=\s*[,}\]])", re.I
 )
 _OTHER_NUMBER = re.compile(
-    r"([:,\[]\s*+)"
-    r"(?:\+\d[\d.]*+|-?\.\d++|-?\d++\.(?=\s*+[,}\]])|-?0\d++(?:\.\d++)?|0[xX][0-9a-fA-F]++)"
+    r"([:,\[]\s*)"
+    r"(?:\+\d[\d.]*|-?\.\d+|-?\d+\.(?=\s*[,}\]])|-?0\d+(?:\.\d+)?|0[xX][0-9a-fA-F]+)"
 )
-_NO_NUMBER = re.compile(r"([:,\[]\s*+)\??(?=[,}\]])")
-_FORMAT = re.compile(r"[:,\[]\s*+%[-+ #0]*+\d*+(?:\.\d++)?l?[fgdeiu]")
-_BARE_KEY = re.compile(r"([{,]\s*+)([A-Za-z_]\w*+)(\s*+:)")
+_NO_NUMBER = re.compile(r"([:,\[]\s*)\??(?=[,}\]])")
+_FORMAT = re.compile(r"[:,\[]\s*%[-+ #0]*(?:[1-9]\d*)?(?:\.\d+)?l?[fgdeiu]")
+_BARE_KEY = re.compile(r"([{,]\s*)([A-Za-z_]\w*)(\s*:)")
 _CURLY = re.compile("[\u2018-\u201f]")
-_EQUALS = re.compile(r'("\s*+)=(?=\s*+["\d\-\[{tfn])')
-_LAST_COMMA = re.compile(r",(\s*+[}\]])")
-_NO_COMMA = re.compile(r"([\d\"\]}])(\s++\")")
-_PYTHON = re.compile(r"'((?:[^'\"\\]|\\[^\"])*+)'|\b(True|False|None)\b")
+_EQUALS = re.compile(r'("\s*)=(?=\s*["\d\-\[{tfn])')
+_LAST_COMMA = re.compile(r",(\s*[}\]])")
+_NO_COMMA = re.compile(r"([\d\"\]}])(\s+\")")
+_PYTHON = re.compile(r"'([^'\"\\]*(?:\\[^\"][^'\"\\]*)*)'|\b(True|False|None)\b")
 _AS_JSON = {"True": "true", "False": "false", "None": "null"}
 
 

@@ -9,14 +9,15 @@ from rosbase.imu.diagnosis.sayings import diagnose_saying
 
 __all__ = ["diagnose_text"]
 
-# It begins as it goes on, and a hostile one is not read to its end.
+# It begins as it goes on, and a hostile one is not read to its end. Each pattern divides a text in
+# one way only; with two for each gap, a line of fifty numbers would take years.
 _MOST_TEXT = 396
-_N = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
-_GAP = r"(?:[,;]|\s)\s{0,4}"
-_ROW = re.compile(rf"\s?{_N}(?:\s?{_GAP}{_N})+[,;.]?\s?")
-_LABEL = r"[A-Za-z_][\w.]*+\s?[:=]\s?"
-_LABELLED = re.compile(rf"\s?{_LABEL}{_N}(?:\s?{_GAP}{_LABEL}{_N})*[,;.]?\s?")
-_TAGGED = re.compile(rf"[#!@$]?([A-Za-z]\w*+)[=:,]\s?{_N}(?:{_GAP}{_N})+[,;.]?\s?")
+_N = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_GAP = r"(?:\s{1,6}|\s?[,;]\s{0,4})"
+_ROW = re.compile(rf"\s?{_N}(?:{_GAP}{_N})+[,;.]?\s?")
+_LABEL = r"[A-Za-z_][\w.]*\s?[:=]\s?"
+_LABELLED = re.compile(rf"\s?{_LABEL}{_N}(?:{_GAP}{_LABEL}{_N})*[,;.]?\s?")
+_TAGGED = re.compile(rf"[#!@$]?([A-Za-z]\w*)[=:,]\s?{_N}(?:{_GAP}{_N})+[,;.]?\s?")
 _NMEA = re.compile(r"[$!]([A-Z]{2,5}[A-Z0-9]{0,3}),[^*]*(?:\*[0-9A-Fa-f]{2})?\s*")
 _HEX = re.compile(r"(?:[0-9a-fA-F]{2}[ :]?){6,}")
 _BASE64 = re.compile(r"[A-Za-z0-9+/]{16,}={0,2}")
