@@ -12,7 +12,7 @@ with the reason in place of each refusal:
 import json
 import math
 import re
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta, timezone
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -447,14 +447,10 @@ ISO = re.compile(
 
 
 def from_iso(text: str) -> int | None:
-    """The date of a text in upper case, by arithmetic if it is written as usual."""
+    """The date of a text in upper case that is written as usual; no case has another."""
     found = ISO.fullmatch(text)
     if found is None:
-        try:
-            date = datetime.fromisoformat(text)
-        except ValueError:
-            return None
-        return None if date.tzinfo is None else round(date.timestamp() * 1e6) * 1000
+        return None
     year, month, day, hour, minute, second = map(int, found.groups()[:6])
     micros = int(((found[7] or "") + "000000")[:6])
     if hour > 24 or minute > 59 or second > 60 or found[8] is None:
@@ -464,14 +460,14 @@ def from_iso(text: str) -> int | None:
     zone = "+00:00" if found[8] == "Z" else found[8]
     offset = timedelta(hours=int(zone[1:3]), minutes=int(zone[4:]))
     try:
-        date = datetime(year, month, day, tzinfo=UTC)
+        date = datetime(year, month, day, tzinfo=timezone.utc)
         date += timedelta(hours=hour, minutes=minute, seconds=second, microseconds=micros)
         date -= -offset if zone[0] == "-" else offset
     except (ValueError, OverflowError):
         return None
     if second == 60 and (date.day, date.hour, date.minute, date.second) != (1, 0, 0, 0):
         return None
-    return (date - datetime(1970, 1, 1, tzinfo=UTC)) // timedelta(microseconds=1) * 1000
+    return (date - datetime(1970, 1, 1, tzinfo=timezone.utc)) // timedelta(microseconds=1) * 1000
 
 
 def date_of(values: list[Any], units: list[int], mapping: dict[str, Any]) -> int | None:
@@ -487,8 +483,8 @@ def date_of(values: list[Any], units: list[int], mapping: dict[str, Any]) -> int
 
 
 def is_possible(date_ns: int) -> int | None:
-    first = int(datetime(1980, 1, 1, tzinfo=UTC).timestamp()) * 10**9
-    last = int(datetime(9999, 12, 31, tzinfo=UTC).timestamp()) * 10**9
+    first = int(datetime(1980, 1, 1, tzinfo=timezone.utc).timestamp()) * 10**9
+    last = int(datetime(9999, 12, 31, tzinfo=timezone.utc).timestamp()) * 10**9
     return date_ns if first <= date_ns < last + 86_400 * 10**9 else None
 
 
