@@ -108,10 +108,17 @@ def test_the_executable_takes_the_python_of_its_environment_or_else_of_the_path(
         timeout=20,
         check=True,
     )
-    assert shown.stdout == (
-        f"{'bin' if has_python else 'path'}: -P -m rosbase imu --backend ros2 --managed"
-        " --ros-args -p frame_id:=a  b\n"
+    assert shown.stdout.startswith(f"{'bin' if has_python else 'path'}: -c ")
+    assert shown.stdout.endswith(" imu --backend ros2 --managed --ros-args -p frame_id:=a  b\n")
+
+
+def test_the_executable_runs_no_modules_of_the_current_folder(prefix: Path, tmp_path: Path) -> None:
+    for name in ("rosbase", "json", "rclpy"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('of the current folder')\n")
+    shown = subprocess.run(
+        [executables(prefix)[0], "--help"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
+    assert "--managed" in shown.stdout
 
 
 def test_the_reader_waits_for_the_ros_tools_to_bring_it_up_and_then_publishes(

@@ -15,6 +15,7 @@ from rosbase_ros2.imports import (
     NO_SUCH_MIDDLEWARE,
     memory_is_full,
     no_such_middleware,
+    python_command,
 )
 from rosbase_ros2.machine import (
     SHARED_MEMORY,
@@ -138,7 +139,7 @@ class _Answer:
 def _ask_child(environment: Mapping[str, str]) -> _Answer:
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-m", "rosbase_ros2.probe"],
+            python_command("from rosbase_ros2.probe import main; main()"),
             env=environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

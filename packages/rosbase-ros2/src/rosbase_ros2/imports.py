@@ -15,6 +15,7 @@ __all__ = [
     "explain",
     "memory_is_full",
     "no_such_middleware",
+    "python_command",
 ]
 
 NO_SUCH_MIDDLEWARE = 102
@@ -47,12 +48,20 @@ def check_rclpy() -> None:
 
 def _import_elsewhere(named: str, free: int) -> None:
     """Import rclpy in a child process, where it may end the process."""
-    command = [sys.executable, "-P", "-c", "import rclpy"]
+    command = python_command("import rclpy")
     status = subprocess.run(command, capture_output=True, check=False).returncode
     if named and status == NO_SUCH_MIDDLEWARE:
         raise NotInstalledError(f"{no_such_middleware(named)}: install it, or unset the variable")
     if status == NO_SHARED_MEMORY:
         raise ConfigurationError(f"ROS 2 does not start: {memory_is_full(free)}")
+
+
+def python_command(code: str) -> list[str]:
+    """Return the command that runs the code, and imports nothing from the working directory.
+
+    Python's option `-P` does the same, but not on 3.10.
+    """
+    return [sys.executable, "-c", f"import sys; sys.path[:] = filter(None, sys.path); {code}"]
 
 
 def memory_is_full(free: int) -> str:

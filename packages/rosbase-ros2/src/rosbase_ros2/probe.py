@@ -37,7 +37,3 @@ def _start_a_node() -> str:
 
 def _say(**found: str) -> None:
     print(json.dumps(found), flush=True)
-
-
-if __name__ == "__main__":
-    main()
