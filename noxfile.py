@@ -45,35 +45,36 @@ SITE_TOOLS = [
     "mermaid-render==0.14.1",
     TERMINAL,
 ]
-OLDEST = "3.11"
 
 
 def _pythons() -> list[str]:
-    """Every Python from 3.11 up that this machine has and that starts."""
+    """Every Python from 3.10 up that this machine has and that starts."""
     found = [f"{sys.version_info.major}.{sys.version_info.minor}"]
-    for minor in range(11, 20):
+    for minor in range(10, 20):
         name = f"python3.{minor}"
         # A version manager may put a name on the path behind which there is nothing.
         if shutil.which(name):
             started = subprocess.run([name, "-V"], check=False, capture_output=True)
             found += [f"3.{minor}"] * (started.returncode == 0)
-    supported = {version for version in found if int(version.split(".")[1]) >= 11}
+    supported = {version for version in found if int(version.split(".")[1]) >= 10}
     return sorted(supported, key=lambda version: int(version.split(".")[1]))
 
 
 PYTHONS = _pythons()
+# For sessions on one Python: the oldest that the documentation's tools support.
+TOOLS_PYTHON = next((version for version in PYTHONS if version != "3.10"), PYTHONS[0])
 
 
-def _test(session: nox.Session, folder: str) -> None:
-    """Runs the tests of a folder, up to twice as many at a time as there are processors.
-
-    Tests that need only one Python run on the first.
-    """
+def _test(session: nox.Session, folder: str, *options: str) -> None:
+    """Runs the tests of a folder, up to twice as many at a time as there are processors."""
     processors = max(2, os.cpu_count() or 1)
     at_once = processors * 3 // 2 if folder in BUSY else processors * 2
-    is_first = session.python in (None, PYTHONS[0])
-    options = [] if is_first else ["-m", "not once"]
     session.run("pytest", "-q", "-n", str(at_once), *options, folder, *session.posargs)
+
+
+def _test_on_each(session: nox.Session, folder: str) -> None:
+    """Runs the tests of a folder on one of all Pythons; those marked `once`, on the oldest only."""
+    _test(session, folder, *([] if session.python == PYTHONS[0] else ["-m", "not once"]))
 
 
 def _install(session: nox.Session, *names: str) -> None:
@@ -89,7 +90,7 @@ def tests(session: nox.Session, distribution: str) -> None:
     names, folder = DISTRIBUTIONS[distribution]
     session.install(*TEST_TOOLS)
     _install(session, *names)
-    _test(session, folder)
+    _test_on_each(session, folder)
 
 
 @nox.session(python=PYTHONS)
@@ -98,7 +99,7 @@ def ros2(session: nox.Session) -> None:
     # An action, which no package has that ours needs.
     session.install("ros-jazzy-test-msgs", *TEST_TOOLS)
     _install(session, *ALL)
-    _test(session, "tests/ros2")
+    _test_on_each(session, "tests/ros2")
 
 
 @nox.session(python=PYTHONS)
@@ -106,10 +107,10 @@ def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
     session.install(TERMINAL, *TEST_TOOLS)
     _install(session, *DISTRIBUTIONS)
-    _test(session, "tests/integration")
+    _test_on_each(session, "tests/integration")
 
 
-@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+@nox.session(python=TOOLS_PYTHON)
 def authors(session: nox.Session) -> None:
     """Plugins of somebody else: the UDP example, and the template as its page fills it in."""
     session.install("copier>=9", "hatchling", "editables", "pip", *TEST_TOOLS)
@@ -119,7 +120,7 @@ def authors(session: nox.Session) -> None:
     _test(session, "tests/authors")
 
 
-@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+@nox.session(python=TOOLS_PYTHON)
 def docs(session: nox.Session) -> None:
     """The site, built and looked at; every code block of the READMEs and the documentation, run."""
     session.install(*TEST_TOOLS, *SITE_TOOLS)
@@ -154,7 +155,8 @@ def lint(session: nox.Session) -> None:
 @nox.session
 def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
-    session.install("mypy==2.4.1", "nox", "types-pyserial")
+    # It checks for the oldest Python, which has no `tomllib`.
+    session.install("mypy==2.4.1", "nox", "tomli>=2", "types-pyserial")
     session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
@@ -209,7 +211,7 @@ def build(session: nox.Session) -> None:
     _test(session, "tests/installs")
 
 
-@nox.session(python=OLDEST if OLDEST in PYTHONS else PYTHONS[0])
+@nox.session(python=TOOLS_PYTHON)
 def colcon(session: nox.Session) -> None:
     """The package for ROS as colcon builds it, with the setuptools of Ubuntu 24.04."""
     session.install("colcon-core", "colcon-ros", "setuptools==68.1.2")

@@ -19,6 +19,8 @@ from support.code_blocks import BLOCKS, ROOT
 EXAMPLES = sorted((ROOT / "docs/examples").glob("*/"))
 # The page compares a program for ros_base, which has no annotations, with the same on rosbase.
 UNTYPED = {"docs/migrating-from-ros_base.md"}
+# As mypy's in pyproject.toml.
+OLDEST_PYTHON = "3.10"
 # rclpy has no types, and launch is not in the package index.
 UNTYPED_FILES = {"limiter_rclpy.py", "limiter.launch.py"}
 
@@ -85,7 +87,11 @@ def run_mypy(project: Path) -> int:
 def run_pyright(folder: Path, projects: list[Path]) -> int:
     """Run pyright once on all projects: most of its time is its start."""
     roots = [{"root": project.name, "extraPaths": [f"{project.name}/src"]} for project in projects]
-    config = {"typeCheckingMode": "standard", "executionEnvironments": roots}
+    config = {
+        "typeCheckingMode": "standard",
+        "pythonVersion": OLDEST_PYTHON,
+        "executionEnvironments": roots,
+    }
     (folder / "pyrightconfig.json").write_text(json.dumps(config))
     options = ["--warnings", "--pythonpath", sys.executable, "--project", str(folder)]
     return subprocess.run([sys.executable, "-m", "pyright", *options], check=False).returncode

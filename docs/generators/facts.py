@@ -2,8 +2,9 @@
 
 import re
 import subprocess
-import tomllib
 from pathlib import Path
+
+from rosbase.text.toml import parse_toml
 
 __all__ = ["facts", "repository", "web_address"]
 
@@ -18,7 +19,7 @@ _REMOTE = re.compile(
 
 def facts() -> str:
     """Return a line of Markdown: version, licence, platform, repository if there is an address."""
-    project = tomllib.loads(CORE.read_text())["project"]
+    project = parse_toml(CORE.read_text())["project"]
     python = project["requires-python"].removeprefix(">=")
     line = f"Version {project['version']} · {project['license']} · Linux · Python {python} or newer"
     address = repository()

@@ -1,9 +1,14 @@
 """For `colcon build`, which runs it; pip does not. What it says is read from pyproject.toml."""
 
-import tomllib
 from pathlib import Path, PurePosixPath
 
 from setuptools import Distribution, setup
+
+try:
+    import tomllib
+except ModuleNotFoundError:
+    # Python 3.10: rosbase-core needs this package there.
+    import tomli as tomllib
 
 # With --symlink-install, a link to this file runs, in a folder without pyproject.toml.
 config = tomllib.loads(Path(__file__).resolve().with_name("pyproject.toml").read_text())

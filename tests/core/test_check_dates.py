@@ -1,6 +1,6 @@
 """Dates of the device: none twice, backwards or absurd, and a mended clock is followed."""
 
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 
 import pytest
 from hypothesis import given
@@ -18,7 +18,7 @@ HOUR = 3600 * S
 
 
 def at(text: str) -> int:
-    return round(datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()) * S
+    return round(datetime.fromisoformat(text).replace(tzinfo=timezone.utc).timestamp()) * S
 
 
 def sample(date_ns: int | None, x: float = 0.0) -> Sample:

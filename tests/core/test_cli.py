@@ -233,10 +233,13 @@ def test_the_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().out == "rosbase-core 0.1.0\n"
 
 
-def test_the_command_can_be_asked_of_a_python_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_can_be_asked_of_a_python_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     main(["plugins"])
     shown = subprocess.run(
-        [sys.executable, "-P", "-m", "rosbase", "plugins"],
+        [sys.executable, "-m", "rosbase", "plugins"],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=30,
@@ -244,7 +247,11 @@ def test_the_command_can_be_asked_of_a_python_by_name(capsys: pytest.CaptureFixt
     )
     assert shown.stdout == capsys.readouterr().out
     refused = subprocess.run(
-        [sys.executable, "-P", "-m", "rosbase"], capture_output=True, timeout=30, check=False
+        [sys.executable, "-m", "rosbase"],
+        cwd=tmp_path,
+        capture_output=True,
+        timeout=30,
+        check=False,
     )
     assert refused.returncode == 2
 

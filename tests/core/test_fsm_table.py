@@ -143,7 +143,7 @@ def test_names_that_a_diagram_cannot_take_get_an_alias() -> None:
 
 
 def test_a_diagram_calls_members_of_a_string_enumeration_by_their_value() -> None:
-    class Task(str, Enum):  # noqa: UP042 - StrEnum does not show the difference
+    class Task(str, Enum):
         SEARCH = "search"
         GRASP = "grasp it"
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from random import Random
 from typing import Any
 
@@ -60,7 +60,7 @@ class Device:
 
     def dated(self, ahead_ns: int, as_text: bool = False) -> dict[str, Any]:
         date_ns = self.now_ns + ahead_ns
-        date = datetime.fromtimestamp(date_ns / S, UTC).isoformat().replace("+00:00", "Z")
+        date = datetime.fromtimestamp(date_ns / S, timezone.utc).isoformat().replace("+00:00", "Z")
         return self.at_rest(at=date if as_text else date_ns / S)
 
 

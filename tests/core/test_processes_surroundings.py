@@ -119,12 +119,13 @@ TRACEBACKS = {
         'import threading; t = threading.Thread(target=int, args=("x",)); t.start(); t.join()',
         "ValueError: invalid literal",
     ),
-    "a group": (
-        'raise ExceptionGroup("two", [ValueError(1), KeyError(2)])',
-        "  | ExceptionGroup: two (2 sub-exceptions)",
-    ),
     "a syntax error": ("int(", "SyntaxError: "),
 }
+if sys.version_info >= (3, 11):
+    TRACEBACKS["a group"] = (
+        'raise ExceptionGroup("two", [ValueError(1), KeyError(2)])',
+        "  | ExceptionGroup: two (2 sub-exceptions)",
+    )
 
 
 @pytest.mark.parametrize("kind", TRACEBACKS)
@@ -292,7 +293,12 @@ def test_nor_if_the_search_path_has_an_empty_entry_and_the_program_goes_there_la
     assert not (tmp_path / "caught").exists()
 
 
-@pytest.mark.parametrize("options", [[], ["-m"], ["-P"], ["-I"], ["-s", "-E"]])
+OPTIONS = [[], ["-m"], ["-I"], ["-s", "-E"]]
+if sys.version_info >= (3, 11):
+    OPTIONS.append(["-P"])
+
+
+@pytest.mark.parametrize("options", OPTIONS)
 def test_a_node_finds_the_modules_of_its_program_wherever_it_is_started(
     tmp_path: Path, options: list[str]
 ) -> None:

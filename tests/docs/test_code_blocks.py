@@ -1,6 +1,5 @@
 """Every code block of the documentation runs, or says why it does not."""
 
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -8,6 +7,7 @@ import pytest
 from rosbase.cli.arguments import check_given, read_given
 from rosbase.imu.settings import read_settings, reader_parameters
 from rosbase.plugins import installed_plugins
+from rosbase.text.toml import parse_toml
 from support.code_blocks import BLOCKS, ROOT
 from support.code_runs import run_commands, run_python
 
@@ -52,7 +52,7 @@ def test_commands_run(name: str, tmp_path: Path) -> None:
 def test_parameter_files_describe_a_reader(name: str, tmp_path: Path) -> None:
     file = tmp_path / "imu.toml"
     file.write_text(BLOCKS[name].text)
-    assert tomllib.loads(file.read_text())
+    assert parse_toml(file.read_text())
     specs = reader_parameters(installed_plugins())
     values = {spec.name: spec.default for spec in specs} | check_given(specs, read_given([], file))
     read_settings(installed_plugins(), values.__getitem__)

@@ -2,11 +2,12 @@
 
 import ast
 import re
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from rosbase.text.toml import parse_toml
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = sorted(path.parent for path in ROOT.glob("packages/*/pyproject.toml"))
@@ -17,7 +18,7 @@ PINNED = re.compile(r"\"([\w-]+)==([\d.]+)\"")
 
 
 def project(package: Path) -> dict[str, Any]:
-    found: dict[str, Any] = tomllib.loads((package / "pyproject.toml").read_text())["project"]
+    found: dict[str, Any] = parse_toml((package / "pyproject.toml").read_text())["project"]
     return found
 
 
@@ -79,8 +80,32 @@ def test_the_workflow_runs_every_session_of_nox_and_every_python_where_it_matter
     of_nox = sessions()
     assert run_by("tests") == {name for name, pythons in of_nox.items() if pythons == "all"}
     assert run_by("once") == {name for name, pythons in of_nox.items() if pythons == "one"}
-    assert 'python: ["3.11", "3.12", "3.13"]' in WORKFLOW
+    assert f'python: ["{oldest_python()}", "3.11", "3.12", "3.13"]' in WORKFLOW
     assert "mosquitto" in WORKFLOW
+
+
+def oldest_python() -> str:
+    (asked,) = {project(package)["requires-python"] for package in PACKAGES}
+    return str(asked).removeprefix(">=")
+
+
+def test_every_tool_and_every_project_of_the_documentation_has_the_oldest_python() -> None:
+    oldest, tools = oldest_python(), parse_toml((ROOT / "pyproject.toml").read_text())["tool"]
+    assert tools["ruff"]["target-version"] == f"py{oldest.replace('.', '')}"
+    assert tools["mypy"]["python_version"] == oldest
+    for project in (
+        "docs/examples/udp/pyproject.toml",
+        "docs/template/project/pyproject.toml.jinja",
+    ):
+        assert f'requires-python = ">={oldest}"' in (ROOT / project).read_text()
+    for file in (NOXFILE, (ROOT / ".ci/run").read_text()):
+        assert f"Python from {oldest} up" in file
+    programs, checks = (
+        "tests/check_programs.py",
+        "packages/rosbase-core/src/rosbase/cli/core_checks.py",
+    )
+    assert f'OLDEST_PYTHON = "{oldest}"' in (ROOT / programs).read_text()
+    assert f"use CPython {oldest} or newer" in (ROOT / checks).read_text()
 
 
 def test_the_sessions_that_contributors_are_told_of_exist() -> None:

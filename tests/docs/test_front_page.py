@@ -1,7 +1,6 @@
 """The front page and the README: their pictures, their facts, their commands."""
 
 import re
-import tomllib
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
@@ -10,6 +9,7 @@ import pytest
 import rosbase
 from generators import demo, facts, pictures, roles, terminal
 from rosbase.plugins import installed_plugins
+from rosbase.text.toml import parse_toml
 from support.code_blocks import PAGES, ROOT, blocks_of
 
 README = (ROOT / "README.md").read_text()
@@ -19,7 +19,7 @@ DEMO, ROLES = (pictures.FOLDER / name for name in ("demo.svg", "roles.svg"))
 ANEW = "run `nox -s pictures`"
 SVG = "{http://www.w3.org/2000/svg}"
 PROJECTS = [
-    tomllib.loads(path.read_text())["project"] for path in ROOT.glob("packages/*/pyproject.toml")
+    parse_toml(path.read_text())["project"] for path in ROOT.glob("packages/*/pyproject.toml")
 ]
 
 

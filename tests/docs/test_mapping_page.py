@@ -1,7 +1,6 @@
 """The examples of docs/mapping.md give what the page says, and its lists are whole."""
 
-import tomllib
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +12,7 @@ from rosbase.imu.mapping import GROUPS, Sample
 from rosbase.imu.settings import read_settings, reader_parameters
 from rosbase.mapping.rejects import PAYLOAD_REASONS
 from rosbase.plugins import installed_plugins
+from rosbase.text.toml import parse_toml
 from support.code_blocks import BLOCKS, ROOT
 
 PAGE = ROOT / "docs/mapping.md"
@@ -40,7 +40,7 @@ def shown(sample: Sample) -> str:
         if numbers is not None
     ]
     if sample.device_time_ns is not None:
-        date = datetime.fromtimestamp(sample.device_time_ns / 1e9, UTC)
+        date = datetime.fromtimestamp(sample.device_time_ns / 1e9, timezone.utc)
         parts.append(date.isoformat(timespec="microseconds"))
     return ", ".join(parts)
 
@@ -49,7 +49,7 @@ def shown(sample: Sample) -> str:
 def test_an_example_gives_what_the_page_says(example: Example, tmp_path: Path) -> None:
     file = tmp_path / "imu.toml"
     file.write_text(example.parameters)
-    assert tomllib.loads(example.parameters)
+    assert parse_toml(example.parameters)
     specs = reader_parameters(installed_plugins())
     values = {spec.name: spec.default for spec in specs} | check_given(specs, read_given([], file))
     settings = read_settings(installed_plugins(), values.__getitem__)

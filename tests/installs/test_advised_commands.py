@@ -5,13 +5,13 @@ It works in a clone alone, and the same packages can be had from an index that h
 
 import re
 import shlex
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from attrs import frozen
 
+from rosbase.text.toml import parse_toml
 from support.code_blocks import ROOT
 from support.install_commands import (
     commands_of_pages,
@@ -125,7 +125,7 @@ def test_no_page_takes_ours_from_pypi() -> None:
 
 
 def test_the_broker_of_the_message_is_the_one_of_the_extra() -> None:
-    project = tomllib.loads((ROOT / "packages/imu-mqtt/pyproject.toml").read_text())["project"]
+    project = parse_toml((ROOT / "packages/imu-mqtt/pyproject.toml").read_text())["project"]
     (broker,) = project["optional-dependencies"]["broker"]
     assert f"pip install '{broker}'" in commands_of_sources()
 

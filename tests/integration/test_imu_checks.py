@@ -7,7 +7,7 @@ import time
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -168,7 +168,7 @@ def test_a_clock_that_is_half_a_day_off_is_warned_of_over_mqtt(tmp_path: Path) -
     with subscribed(tmp_path, *given) as (broker, reader):
 
         def send() -> None:
-            date = datetime.now(UTC) + timedelta(hours=5, minutes=30)
+            date = datetime.now(timezone.utc) + timedelta(hours=5, minutes=30)
             text = date.isoformat().replace("+00:00", "Z")
             broker.publish(json.dumps({"at": text, "acc": [0, 0, 9.8], "gyr": [0, 0, 0]}).encode())
 

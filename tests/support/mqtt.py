@@ -4,7 +4,6 @@ import socket
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Self
 
 import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
@@ -237,7 +236,7 @@ class ScriptedBroker:
         for thread in self._threads:
             thread.join(10)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "ScriptedBroker":
         return self
 
     def __exit__(self, *details: object) -> None:
@@ -295,7 +294,7 @@ class Publisher:
         # paho closes the last of its sockets when it is no longer there.
         self._client = None
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Publisher":
         return self
 
     def __exit__(self, *details: object) -> None:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from rosbase.contracts.backend import BackendOptions
 from rosbase.imu.reader import ImuReader
@@ -12,6 +12,10 @@ from rosbase.messages import Imu, MagneticField
 from rosbase.plugins import installed_plugins
 from rosbase.testing import ManualClock, ScriptedTransport
 from support.transports import ScriptedRegistry
+
+if TYPE_CHECKING:
+    # `typing` has it from Python 3.11 on.
+    from typing_extensions import Self
 
 __all__ = ["Rig"]
 
@@ -38,7 +42,7 @@ class Rig:
     def transport(self) -> ScriptedTransport:
         return self.registry.made[-1]
 
-    def activate(self) -> Self:
+    def activate(self) -> "Self":
         assert self.reader.trigger_configure() is CallbackReturn.SUCCESS
         assert self.reader.trigger_activate() is CallbackReturn.SUCCESS
         return self

@@ -57,7 +57,7 @@ class SaysNothingOfAnException(Wrapped):
             try:
                 on_frame(frame, stamp_ns)
             except BaseException:
-                self.error = sys.exception()
+                self.error = sys.exc_info()[1]
 
         self.inner.start(deliver)
 

@@ -212,12 +212,12 @@ class Connection:
             self._held[packet_id] = True
         self._on_message(message)
         if qos:
-            sock.queue(_ACKNOWLEDGED[qos] + packet_id.to_bytes(2))
+            sock.queue(_ACKNOWLEDGED[qos] + packet_id.to_bytes(2, "big"))
 
     def _take_control(self, packet: Control, sock: BufferedSocket) -> None:
         if packet.kind == PUBREL:
             self._held[packet.packet_id] = False
-            sock.queue(_COMPLETED + packet.packet_id.to_bytes(2))
+            sock.queue(_COMPLETED + packet.packet_id.to_bytes(2, "big"))
         elif packet.kind == PINGRESP:
             # One for each turn is enough, of however many.
             self._has_answered_ping = True

@@ -143,7 +143,7 @@ class WebSocket:
     def _begin(self, head: bytearray) -> None:
         code = head[0] & 0x0F
         if code < _CLOSE:
-            self._left_bytes = int.from_bytes(head[2:]) if head[1] > 125 else head[1]
+            self._left_bytes = int.from_bytes(head[2:], "big") if head[1] > 125 else head[1]
         elif code == _PING:
             self._ping = bytes(head[2:])
         elif code == _CLOSE:
@@ -167,9 +167,9 @@ def _frame(code: int, data: bytes) -> bytes:
     if length < 126:
         head = bytes([_FINAL | code, _MASKED | length])
     elif length < 65_536:
-        head = bytes([_FINAL | code, _MASKED | 126]) + length.to_bytes(2)
+        head = bytes([_FINAL | code, _MASKED | 126]) + length.to_bytes(2, "big")
     else:
-        head = bytes([_FINAL | code, _MASKED | 127]) + length.to_bytes(8)
+        head = bytes([_FINAL | code, _MASKED | 127]) + length.to_bytes(8, "big")
     key = os.urandom(4)
-    mask = int.from_bytes((key * (length // 4 + 1))[:length])
-    return head + key + (int.from_bytes(data) ^ mask).to_bytes(length)
+    mask = int.from_bytes((key * (length // 4 + 1))[:length], "big")
+    return head + key + (int.from_bytes(data, "big") ^ mask).to_bytes(length, "big")

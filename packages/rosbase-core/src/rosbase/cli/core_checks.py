@@ -3,7 +3,7 @@
 import platform
 import sys
 from collections.abc import Iterable
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 
 from rosbase.cli.list_plugins import what_of
 from rosbase.clock import Clock, date_fault
@@ -28,7 +28,7 @@ def check_python() -> Iterable[Finding]:
     yield Finding(Outcome.OK, f"{what}, {sys.executable}")
     if implementation != "CPython":
         yield Finding(
-            Outcome.WARN, f"rosbase is not tested on {implementation}", "use CPython 3.11 or newer"
+            Outcome.WARN, f"rosbase is not tested on {implementation}", "use CPython 3.10 or newer"
         )
     if system != "Linux":
         yield Finding(
@@ -44,7 +44,7 @@ def check_clock(clock: Clock) -> Iterable[Finding]:
     if fault := date_fault(now_ns):
         yield Finding(Outcome.WARN, f"{fault}: stamps are zero", _SET_CLOCK)
         return
-    date = f"{datetime.fromtimestamp(now_ns / 1e9, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
+    date = f"{datetime.fromtimestamp(now_ns / 1e9, tz=timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
     if now_ns < _EARLIEST_S * 1e9:
         text = f"the date of this machine is {date}: its clock was never set"
         yield Finding(Outcome.WARN, text, _SET_CLOCK)

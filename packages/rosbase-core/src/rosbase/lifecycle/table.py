@@ -50,6 +50,10 @@ class State(IntEnum):
     def __str__(self) -> str:
         return self.label
 
+    def __format__(self, spec: str) -> str:
+        # As from Python 3.11 on: the label without a specification, the id with one such as `d`.
+        return int.__format__(self, spec)
+
     @property
     def id(self) -> int:
         """Number of the state in lifecycle_msgs."""

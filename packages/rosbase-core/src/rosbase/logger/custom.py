@@ -9,7 +9,7 @@ from rosbase.clock import Clock
 from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, LogOptions
-from rosbase.logger.levels import LEVELS, level_number
+from rosbase.logger.levels import level_named, level_number
 from rosbase.logger.record_text import show, whole_text
 from rosbase.logger.rosbase_logger import RosbaseLogger
 from rosbase.text.printable import log_line
@@ -97,8 +97,9 @@ class _CustomLogger(RosbaseLogger):
         """Write in a way that only the application's logger has, at a level if it takes one."""
         message = _cleaned(message)
         answer = getattr(self._custom, method)(message, *more, **options)
-        named = str(options.get("level", more[0] if more else "")).upper()
-        level = {**logging.getLevelNamesMapping(), **LEVELS}.get(named, logging.INFO)
+        named = str(options.get("level", more[0] if more else ""))
+        level = level_named(named)
+        level = logging.INFO if level is None else level
         if method != "log_once" or self._first_time(level, message):
             self._hand_on(self._record_of(level, log_line(show(message)), calling_frame(), {}))
         return answer

@@ -2,7 +2,7 @@
 
 import logging
 
-__all__ = ["LEVELS", "level_number", "message_level", "severity"]
+__all__ = ["LEVELS", "level_named", "level_number", "message_level", "severity"]
 
 LEVELS = {
     "DEBUG": logging.DEBUG,
@@ -24,7 +24,7 @@ def level_number(level: str | int) -> int:
     """
     if not isinstance(level, str):
         return int(level)
-    number = _known().get(level.upper())
+    number = level_named(level)
     if number is None:
         raise ValueError(f"no log level is called {level!r}: {', '.join(LEVELS).lower()}")
     return number
@@ -40,7 +40,7 @@ def message_level(level: str | int) -> int:
         number = level_number(level)
     else:
         number = int(level) if isinstance(level, int) and not isinstance(level, bool) else 0
-    if number == logging.NOTSET or number not in _known().values():
+    if number == logging.NOTSET or not _is_known(number):
         raise ValueError(
             f"{level!r} is no log level ({', '.join(LEVELS).lower()}); "
             "this method formats no arguments, so use an f-string: f'... {value}'"
@@ -48,8 +48,15 @@ def message_level(level: str | int) -> int:
     return number
 
 
-def _known() -> dict[str, int]:
-    return {**logging.getLevelNamesMapping(), **LEVELS}
+def level_named(name: str) -> int | None:
+    """Return the number of the level of that name, in any case; None if there is none."""
+    # For a name that `logging` knows, its `getLevelName` returns the number.
+    number: object = LEVELS.get(name.upper()) or logging.getLevelName(name.upper())
+    return number if isinstance(number, int) else None
+
+
+def _is_known(number: int) -> bool:
+    return logging.getLevelName(number) != f"Level {number}"
 
 
 def severity(level: int) -> str:

@@ -42,7 +42,7 @@ def error_of(exc_info: Any) -> BaseException | None:
         return exc_info
     if isinstance(exc_info, tuple):
         return next((part for part in exc_info if isinstance(part, BaseException)), None)
-    return sys.exception() if exc_info else None
+    return sys.exc_info()[1] if exc_info else None
 
 
 def traceback_of(error: BaseException) -> str:

@@ -4,7 +4,7 @@ import copy
 import logging
 import threading
 from types import FrameType
-from typing import Unpack
+from typing import TYPE_CHECKING
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger.call_sites import calling_frame, site_of
@@ -14,6 +14,10 @@ from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
 from rosbase.logger.record_text import error_of, fill_in, stack_of, traceback_of, whole_text
 from rosbase.text.printable import log_line
+
+if TYPE_CHECKING:
+    # `typing` has it from Python 3.11 on.
+    from typing_extensions import Unpack
 
 __all__ = ["RosbaseLogger"]
 
@@ -62,35 +66,35 @@ class RosbaseLogger:
         self._next_ns: dict[int, int] = {}
         self._lock = threading.Lock()
 
-    def debug(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def debug(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at DEBUG."""
         self._log(logging.DEBUG, message, values, options)
 
-    def info(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def info(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at INFO."""
         self._log(logging.INFO, message, values, options)
 
-    def warning(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def warning(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at WARN: something is wrong, but work continues."""
         self._log(logging.WARNING, message, values, options)
 
-    def warn(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def warn(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at WARN, as `warning`."""
         self._log(logging.WARNING, message, values, options)
 
-    def error(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def error(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at ERROR: some work has stopped."""
         self._log(logging.ERROR, message, values, options)
 
-    def exception(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def exception(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at ERROR, with the traceback of the exception that is being handled."""
         self._log(logging.ERROR, message, values, {"exc_info": True, **options})
 
-    def critical(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def critical(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at FATAL: all work has stopped."""
         self._log(logging.CRITICAL, message, values, options)
 
-    def fatal(self, message: object, *values: object, **options: Unpack[LogOptions]) -> None:
+    def fatal(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
         """Log at FATAL, as `critical`."""
         self._log(logging.CRITICAL, message, values, options)
 

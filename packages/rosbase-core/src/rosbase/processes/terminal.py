@@ -1,9 +1,11 @@
 """A pseudo-terminal for a child that behaves differently when its output is a pipe."""
 
 import os
+import struct
 import sys
 
 if sys.platform != "win32":
+    import fcntl
     import termios
 
 __all__ = ["open_terminal"]
@@ -25,7 +27,9 @@ def open_terminal() -> tuple[int, int]:
         modes[_OUTPUT] &= ~termios.OPOST
         modes[_LOCAL] &= ~termios.ECHO
         termios.tcsetattr(write_end, termios.TCSANOW, modes)
-        termios.tcsetwinsize(write_end, (_ROWS, _COLUMNS))
+        # Rows, columns, and a size in pixels, which nobody asks for.
+        size = struct.pack("HHHH", _ROWS, _COLUMNS, 0, 0)
+        fcntl.ioctl(write_end, termios.TIOCSWINSZ, size)
     except BaseException:
         os.close(read_end)
         os.close(write_end)

@@ -1,7 +1,6 @@
 """Parameter files: TOML, or the YAML of ROS 2."""
 
 import datetime
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from rosbase.errors import ConfigurationError
 from rosbase.parameters import Written, WrittenText
 from rosbase.parameters.given import GivenValue
 from rosbase.text.printable import one_line
+from rosbase.text.toml import parse_toml
 
 __all__ = ["read_file", "read_toml"]
 
@@ -43,7 +43,7 @@ def read_toml(file: Path) -> dict[str, Any]:
         ConfigurationError: It cannot be read, or is not TOML.
     """
     try:
-        return _flatten(tomllib.loads(_text(file)))
+        return _flatten(parse_toml(_text(file)))
     except RecursionError:
         raise ConfigurationError(f"{file}: nested too deeply") from None
     except ValueError as error:

@@ -67,4 +67,6 @@ def _where(frame: FrameType | None) -> str:
     if frame is None:
         return "nobody stops it"
     code = frame.f_code
-    return f"{code.co_qualname} is running ({code.co_filename}:{frame.f_lineno})"
+    # With the name of the class, from Python 3.11 on.
+    name = getattr(code, "co_qualname", code.co_name)
+    return f"{name} is running ({code.co_filename}:{frame.f_lineno})"
