@@ -63,6 +63,14 @@ def _pythons() -> list[str]:
 PYTHONS = _pythons()
 # For sessions on one Python: the oldest that the documentation's tools support.
 TOOLS_PYTHON = next((version for version in PYTHONS if version != "3.10"), PYTHONS[0])
+# With all of them, `nox` alone would take too long. Others run by name, as `nox -s ros2-3.12`.
+ENDS = sorted({PYTHONS[0], PYTHONS[-1]}, key=PYTHONS.index)
+nox.options.sessions = [
+    "tests",
+    *(f"{name}-{python}" for name in ("ros2", "integration") for python in ENDS),
+    *(f"{name}-{TOOLS_PYTHON}" for name in ("authors", "docs", "colcon")),
+    *("lint", "typing", "imports", "demo", "build"),
+]
 
 
 def _test(session: nox.Session, folder: str, *options: str) -> None:
