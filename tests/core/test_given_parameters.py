@@ -31,21 +31,25 @@ def typed(node: str, name: str, value: object) -> GivenValue:
     [
         ("", "fps"), ("/**", "fps"), ("", "front.fps"), ("front", "fps"), ("/front", "fps"),
         ("*", "fps"), ("f*t", "fps"), ("robot", "front.fps"), ("/**", "front.fps"),
+        ("/**/front", "fps"), ("**/f*", "fps"),
     ],
 )  # fmt: skip
 def test_a_value_concerns_a_node(node: str, name: str) -> None:
     values = GivenParameters([typed(node, name, 5)])
-    assert values.value_for(FPS, "front", "robot") == 5
+    assert values.value_for(FPS, ["front"], ["robot"]) == 5
     assert values.unused() == []
 
 
 @pytest.mark.parametrize(
     ("node", "name"),
-    [("", "rear.fps"), ("rear", "fps"), ("robot", "fps"), ("/**/rear", "fps"), ("fron", "fps")],
+    [
+        *(("", "rear.fps"), ("rear", "fps"), ("robot", "fps"), ("/**/rear", "fps")),
+        *(("fron", "fps"), ("/left/front", "fps"), ("", "x.front.fps")),
+    ],
 )
 def test_a_value_concerns_another_node(node: str, name: str) -> None:
     values = GivenParameters([typed(node, name, 5)])
-    assert values.value_for(FPS, "front", "robot") is None
+    assert values.value_for(FPS, ["front"], ["robot"]) is None
     assert len(values.unused()) == 1
 
 
@@ -61,7 +65,7 @@ def test_the_last_value_for_the_node_wins_then_the_last_for_every_node(
     ]
     general = [v.value for v in values if v.node in ("", "/**") and v.name == "fps"]
     expected = (exact or general or [None])[-1]
-    assert GivenParameters(values).value_for(FPS, "front", "robot") == expected
+    assert GivenParameters(values).value_for(FPS, ["front"], ["robot"]) == expected
 
 
 @given(st.lists(VALUES, max_size=6))
@@ -71,10 +75,10 @@ def test_values_survive_the_environment(values: list[GivenValue]) -> None:
 
 def test_a_value_is_read_as_the_declared_type_says() -> None:
     text = GivenParameters([GivenValue("", "x", "off", "text")])
-    assert text.value_for(ParameterSpec("x", default=True), "a") is False
-    assert text.value_for(ParameterSpec("x", "on"), "a") == "off"
+    assert text.value_for(ParameterSpec("x", default=True), ["a"]) is False
+    assert text.value_for(ParameterSpec("x", "on"), ["a"]) == "off"
     with pytest.raises(ParameterError, match=r"parameter a\.x takes a whole number, not 'off'"):
-        text.value_for(ParameterSpec("x", 5), "a")
+        text.value_for(ParameterSpec("x", 5), ["a"])
 
 
 @pytest.mark.parametrize(
@@ -87,7 +91,7 @@ def test_a_value_is_read_as_the_declared_type_says() -> None:
 )
 def test_what_nobody_declares_is_named_with_a_suggestion(name: str, hint: str) -> None:
     values = GivenParameters([typed("", name, 5)])
-    values.value_for(FPS, "front")
+    values.value_for(FPS, ["front"])
     assert values.unused() == [f"no node declares the parameter {name}{hint}"]
 
 
@@ -95,8 +99,25 @@ def test_what_is_for_a_node_in_another_process_is_not_named() -> None:
     values = GivenParameters([typed("left", "fps", 5), typed("", "right.fps", 5)])
     said = "no node declares the parameter"
     assert values.unused() == [f"{said} left.fps", f"{said} right.fps"]
-    assert values.unused(["right"]) == [f"{said} left.fps"]
-    assert values.unused(["right", "left"]) == []
+    # Each is named once.
+    assert values.unused() == []
+
+
+def test_what_may_be_for_a_node_elsewhere_is_not_named() -> None:
+    values = [typed("left", "fps", 5), typed("", "right.fps", 5), typed("", "gain", 5)]
+    said = "no node declares the parameter"
+    assert GivenParameters(values).unused(["right"]) == [f"{said} left.fps"]
+    assert GivenParameters(values).unused(["right", "left"]) == []
+
+
+@pytest.mark.parametrize(
+    ("node", "name"),
+    [("", "cam.fps"), ("cam", "fps"), ("/left/cam", "fps"), ("/**", "fps"), ("/*/cam", "fps")],
+)
+def test_a_node_in_a_namespace_is_known_with_it_and_without(node: str, name: str) -> None:
+    values = GivenParameters([typed(node, name, 5)])
+    assert values.value_for(FPS, ["cam", "left/cam"]) == 5
+    assert values.unused() == []
 
 
 def test_an_environment_of_somebody_else_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,6 +141,7 @@ def test_tables_of_toml_are_nodes_and_names(tmp_path: Path) -> None:
         ("absent.toml", None, "No such file or directory"),
         ("broken.toml", "fps = = 3", "Invalid value"),
         ("dated.toml", "day = 2026-01-01", "day is a date; write text in quotes"),
+        ("days.toml", "[a]\nb = [[2026-01-01]]", "a.b is a date; write text in quotes"),
         ("latin.toml", b"name = '\xe4'", "can't decode"),
     ],
 )

@@ -150,6 +150,55 @@ def test_a_node_that_a_node_builds_for_itself_takes_no_name() -> None:
     assert app.nodes["pair"].helper.get_parameter("fps").value == 7
 
 
+def test_a_helper_that_a_node_builds_first_takes_no_name() -> None:
+    class Kalman(BaseAgent):
+        def reset(self) -> None:
+            pass
+
+    class Filtering(Camera):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            self.filter = Kalman(manager)
+            super().__init__(manager, **kwargs)
+
+    app = manager({"front": Filtering}, {"front.fps": 5})
+    assert (app.nodes["front"].name, app.nodes["front"].fps) == ("front", 5)
+
+
+def test_a_base_class_that_is_initialised_twice_keeps_the_name() -> None:
+    class Eye(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            BaseNode.__init__(self, manager, **kwargs)
+            self.declare_parameter("fps", 30)
+
+    class Ear(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            BaseNode.__init__(self, manager, **kwargs)
+            self.declare_parameter("gain", 1.0)
+
+    class Head(Eye, Ear):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            Eye.__init__(self, manager, **kwargs)
+            Ear.__init__(self, manager, **kwargs)
+
+    head = manager({"head": Head}, {"head.fps": 5, "head.gain": 2}).nodes["head"]
+    assert head.name == "head"
+    assert [head.get_parameter(name).value for name in ("fps", "gain")] == [5, 2.0]
+
+
+def test_the_node_of_the_manager_is_not_asked_about_others() -> None:
+    app = manager({"robot": Arm, "front": Camera})
+    asked: list[list[Parameter[Any]]] = []
+
+    def refuse(parameters: list[Parameter[Any]]) -> SetParametersResult:
+        asked.append(parameters)
+        return SetParametersResult(successful=False, reason="no")
+
+    app.nodes["robot"].add_on_set_parameters_callback(refuse)
+    assert app.nodes["front"].set_parameter("fps", 25).successful
+    assert app.nodes["robot"].set_parameter("speed", 2.0).reason == "no"
+    assert asked == [[Parameter("speed", 2.0)]]
+
+
 def test_agents_and_lone_nodes_have_names_too() -> None:
     class Planner(BaseAgent):
         def reset(self) -> None:

@@ -73,6 +73,10 @@ def test_options_may_stand_before_and_after_the_program(app: Path) -> None:
     (app / "robot.toml").write_text("fps = 1\n[rear]\nfps = 2\n")
     done = run(app, "--params-file", "robot.toml", "-p", "rear.fps:=3", "app.py", "-p", "fps:=4")
     assert done.stdout.startswith("{'front': 4, 'rear': 3} []"), done.stderr
+    done = run(app, "app.py", "--", "-p", "fps:=5")
+    assert done.stdout.startswith("{'front': 30, 'rear': 30} ['--', '-p', 'fps:=5']"), done.stderr
+    done = run(app, "app.py", "-port", "80", "-pfps:=4")
+    assert done.stdout.startswith("{'front': 4, 'rear': 4} ['-port', '80']"), done.stderr
     done = run(app, "app.py", "-p", "fps:=4", "--", "-p", "fps:=5")
     assert done.stdout.startswith("{'front': 4, 'rear': 4} ['--', '-p', 'fps:=5']"), done.stderr
 
@@ -108,9 +112,10 @@ def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> No
     assert done.stdout == "pace 2.0\n", done.stderr
     said = "no node declares the parameter peace; did you mean pace?"
     assert done.stderr == f"[WARN] [Walker]: {said}\n"
-    done = run(tmp_path, "walker.py", "-p", "left.pace:=4")
-    assert "left: pace 4.0" in done.stderr, done.stderr
-    assert "no node declares" not in done.stderr
+    for given in ("left.pace:=4", "pace:=4"):
+        done = run(tmp_path, "walker.py", "-p", given)
+        assert "left: pace 4.0" in done.stderr, done.stderr
+        assert "no node declares" not in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -118,6 +123,8 @@ def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> No
     [
         (["nope.py"], "rosbase run: nope.py: no such file"),
         (["nope"], "rosbase run: there is no file or module 'nope'"),
+        (["./nope"], "rosbase run: ./nope: no such file"),
+        ([".app"], "rosbase run: there is no file or module '.app'"),
         (["no.pe:X"], "rosbase run: there is no file or module 'no.pe'"),
         (["app:Nope"], "rosbase run: app has no Nope"),
         (["app:number"], "rosbase run: app:number is neither a manager nor a node nor a function"),
@@ -143,6 +150,57 @@ def test_an_error_of_the_program_keeps_its_traceback_and_its_status(tmp_path: Pa
         1, "ZeroDivisionError: division by zero",
     )  # fmt: skip
     assert run(tmp_path, "app.py", "x").returncode == 7
+
+
+def test_a_package_that_cannot_be_imported_says_why(tmp_path: Path) -> None:
+    (tmp_path / "robot").mkdir()
+    (tmp_path / "robot" / "__init__.py").write_text("import no_such_package\n")
+    (tmp_path / "robot" / "app.py").write_text("")
+    done = run(tmp_path, "robot.app")
+    assert done.stderr.endswith("ModuleNotFoundError: No module named 'no_such_package'\n")
+
+
+def test_a_function_ends_with_the_status_that_it_returns(tmp_path: Path) -> None:
+    (tmp_path / "tool.py").write_text("def main():\n    return 3\n")
+    assert run(tmp_path, "tool:main").returncode == 3
+
+
+def test_what_a_program_takes_follows_what_it_was_given(app: Path) -> None:
+    (app / "own.py").write_text(
+        "from rosbase import take_arguments\n"
+        "from app import Robot\n"
+        "take_arguments(['-p', 'rear.fps:=2'])\n"
+        "Robot().start_main_loop_timer()\n"
+    )
+    done = run(app, "own.py", "-p", "front.fps:=1", "-p", "rear.fps:=1")
+    assert done.stdout.startswith("{'front': 1, 'rear': 2}"), done.stderr
+
+
+def test_parameters_that_no_environment_can_hold_are_one_line(app: Path) -> None:
+    (app / "long.toml").write_text(f"x = {list(range(30_000))}\n")
+    done = run(app, "app.py", "--params-file", "long.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("rosbase: the parameters are too long: ")
+
+
+def test_parameters_that_are_declared_later_are_not_named(tmp_path: Path) -> None:
+    (tmp_path / "arm.py").write_text(
+        "from rosbase import BaseHandlers, BaseManager, CallbackReturn, LifecycleNode\n"
+        "class Arm(LifecycleNode):\n"
+        "    autostart = 'configure'\n"
+        "    def on_configure(self, previous_state):\n"
+        "        print(self.declare_parameter('speed', 1.0).value)\n"
+        "        return CallbackReturn.SUCCESS\n"
+        "class Stop(BaseHandlers):\n"
+        "    def handle(self):\n"
+        "        self.manager.request_stop()\n"
+        "if __name__ == '__main__':\n"
+        "    BaseManager('robot', {'arm': Arm}, {}, Stop).start_main_loop_timer()\n"
+    )
+    done = run(tmp_path, "arm.py", "-p", "arm.speed:=2", "-p", "arm.sped:=3")
+    assert done.stdout == "2.0\n", done.stderr
+    said = "no node declares the parameter arm.sped; did you mean arm.speed?"
+    assert done.stderr == f"[WARN] [robot]: {said}\n"
 
 
 def test_a_program_takes_the_same_arguments_with_one_call(app: Path) -> None:

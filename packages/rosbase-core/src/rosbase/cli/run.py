@@ -16,6 +16,8 @@ from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = ["run"]
 
+_END = "--"
+
 
 def run(arguments: list[str]) -> int:
     """Run the command; a usage error becomes one line and status 2."""
@@ -68,6 +70,11 @@ def _run_command(arguments: list[str]) -> int:
             _configure(command, subparser)
     if wanted is not None:
         registry.command(wanted)
+    chosen = commands.get(wanted or "")
+    if chosen is not None and chosen.forwards_backend_arguments and _END in arguments:
+        # argparse would drop it.
+        at = arguments.index(_END)
+        arguments, theirs = arguments[:at], [*arguments[at:], *theirs]
     parsed = parser.parse_args(arguments)
     if parsed.version:
         print(f"rosbase-core {version('rosbase-core')}")

@@ -35,7 +35,6 @@ class NodeView(NodeConnection):
         """
         if is_lifecycle:
             check_node_name(name)
-        if is_lifecycle:
             namespace = shared.node_name.rpartition("/")[0]
             self.node_name = f"{namespace}/{name}".removeprefix("/")
             self.log_name = self.node_name.replace("/", ".")
@@ -107,6 +106,7 @@ class NodeView(NodeConnection):
             return callback(own) if own else SetParametersResult(successful=True)
 
         ask.__qualname__ = getattr(callback, "__qualname__", repr(callback))
+        ask.prefix = self._prefix  # type: ignore[attr-defined]  # for `ParameterRules`
         self._shared.add_on_set_parameters_callback(ask)
 
     def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
@@ -116,6 +116,7 @@ class NodeView(NodeConnection):
             if own := [self._inner(p) for p in parameters if p.name.startswith(self._prefix)]:
                 callback(own)
 
+        tell.prefix = self._prefix  # type: ignore[attr-defined]  # for `ParameterRules`
         self._shared.add_post_set_parameters_callback(tell)
 
     def expose_lifecycle(self, node: ManagedNode) -> None:

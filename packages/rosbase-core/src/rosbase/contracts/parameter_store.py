@@ -71,7 +71,8 @@ class ParameterRules:
     def tell(self, parameters: Sequence[Parameter[Any]]) -> None:
         """Tell the callbacks of parameters that were set. Call it on the spinning thread."""
         for callback in list(self._post_callbacks):
-            callback(list(parameters))
+            if own := self._of(callback, parameters):
+                callback(own)
 
     def check(self, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
         """Return the parameters as values of their declared types.
@@ -95,8 +96,11 @@ class ParameterRules:
         A callback that raises, or answers with no result, is reported and counts as a refusal.
         """
         for callback in list(self._callbacks):
+            own = self._of(callback, checked)
+            if not own:
+                continue
             try:
-                answer = callback(list(checked))
+                answer = callback(own)
             except Exception as error:
                 return self._fault(callback, f"raised {type(error).__name__}: {error}")
             if isinstance(answer, type) or getattr(answer, "successful", None) is None:
@@ -104,6 +108,15 @@ class ParameterRules:
             if not answer.successful:
                 return refused(str(getattr(answer, "reason", "")) or "the program refuses it")
         return SetParametersResult(successful=True)
+
+    def _of(self, callback: object, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
+        """Return the parameters of the node whose callback it is: other nodes may share them."""
+        prefix = getattr(callback, "prefix", "")
+        return [p for p in parameters if self._prefix_of(p.name) == prefix]
+
+    def _prefix_of(self, name: str) -> str:
+        spec = self._specs.get(name)
+        return name.removesuffix(spec.general_name) if spec and spec.general_name else ""
 
     def _fault(self, callback: OnSetParameters, fault: str) -> SetParametersResult:
         name = getattr(callback, "__qualname__", repr(callback))

@@ -39,7 +39,8 @@ def apply_levels() -> None:
     text = os.environ.get(LEVEL_VARIABLE, "")
     if text == _applied[0]:
         return
+    levels = levels_in(text)
     _applied[0] = text
     ours = logging.getLogger("rosbase")
-    for name, level in levels_in(text):
+    for name, level in levels:
         (ours.getChild(name) if name else ours).setLevel(level)

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
+from rosbase.lifecycle import State
 from rosbase.logger import RosbaseLogger
 from rosbase.manager.bringup import bring_up, take_down
 from rosbase.manager.building import build, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
-from rosbase.parameters.given import given_parameters
+from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.processes import (
     ChildProcesses,
     register_multiprocess_nodes,
@@ -70,7 +71,7 @@ class BaseManager(Constructed):
     backend: Backend
     """Connection of this process. On ROS 2, `backend.node` is the rclpy node."""
     logger: RosbaseLogger
-    """Logger of the manager, shared by nodes, agents and handlers."""
+    """Logger of the manager, agents and handlers. Those of its nodes have names of their own."""
     nodes: dict[str, Any]
     """Nodes by name, in the order of `nodes_dict`."""
     agents: dict[str, Any]
@@ -145,7 +146,7 @@ class BaseManager(Constructed):
         self.agents = {}
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
         self.logger = open_logger(self.backend, node_name, custom_logger)
-        self.registration = Registration(node_name, custom_logger is not None)
+        self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
@@ -239,9 +240,9 @@ class BaseManager(Constructed):
         warn_of_untaken(kwargs, [type(self), *components], BaseManager, self.logger.warning)
 
         def build_one(component: Any, where: str, key: str, others: tuple[str, ...]) -> Any:
-            self.registration.key = key
+            self._registration.begin(key, component)
             built = build(component, where, self, args, kwargs)
-            self.registration.key = ""
+            self._registration.end()
             if lack := lacks_its_base(built):
                 self.logger.warning(lack)
             # Again, because a constructor may have put another function in its place.
@@ -358,10 +359,9 @@ class BaseManager(Constructed):
             # Again, because some may be attributes that were set after the constructor.
             check_methods(self, _PLAIN_METHODS)
             self._claim(processes, stop)
-            for line in given_parameters().unused(self._processes or ()):
-                self.logger.warning(line)
             self._wait_for_handshake()
             bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
+            self._name_undeclared()
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
             run_main_loop(
                 self.backend.executor,
@@ -406,6 +406,15 @@ class BaseManager(Constructed):
                 processes.stopping_soon()
         elif processes:
             raise TypeError(f"{processes!r} is not a return value of register_multiprocess_nodes")
+
+    def _name_undeclared(self) -> None:
+        """Warn of parameters from outside that no node has declared."""
+        if are_inherited():
+            return
+        # Parameters may be declared in `on_configure`.
+        later = [n._key for n in self._lifecycle_nodes() if n.get_state() is State.UNCONFIGURED]
+        for line in given_parameters().unused([*later, *(self._processes or ())]):
+            self.logger.warning(line)
 
     def _switch_state(self) -> None:
         switch = self.get_state_switch() if self.get_state_switch is not None else None

@@ -8,7 +8,7 @@ an environment variable, so its child processes have them too.
 import json
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, Literal
 
 from attrs import define, evolve, field, frozen
@@ -18,12 +18,20 @@ from rosbase.parameters.checking import did_you_mean
 from rosbase.parameters.kinds import ParameterSpec, ParameterValue
 from rosbase.parameters.written import WrittenText, from_outside, parse_text, parse_written
 
-__all__ = ["GIVEN_VARIABLE", "GivenParameters", "GivenValue", "given_parameters"]
+__all__ = [
+    "GIVEN_VARIABLE",
+    "GivenParameters",
+    "GivenValue",
+    "are_inherited",
+    "given_parameters",
+]
 
 GIVEN_VARIABLE = "ROSBASE_PARAMETERS"
 """Environment variable with the values, as `GivenParameters.to_json` writes them."""
 
 _ANY = ("", "/**", "**")
+# Of a process that a manager has started.
+_CHILD_MARK = "ROSBASE_CHILD_MARK"
 
 
 @frozen
@@ -35,7 +43,10 @@ class GivenValue:
     name: str
     """Name of the parameter, possibly with the name of a node in front."""
     value: Any
-    """Value: text, a value of JSON, or for "yaml" the items of a list or one item."""
+    """Value: text, a value of JSON, or for "yaml" the items of a list or one item.
+
+    An item is a text, or an object that says whether it was in quotes, and its bytes.
+    """
     form: Literal["text", "typed", "yaml"]
     """Whether it was typed after `:=`, comes from TOML, or is written in YAML."""
 
@@ -62,26 +73,29 @@ class GivenParameters:
 
     def to_json(self) -> str:
         """Return the values as text, for the environment."""
-        return json.dumps([[v.node, v.name, v.value, v.form] for v in self.values])
+        values = [[v.node, v.name, v.value, v.form] for v in self.values]
+        return json.dumps(values, separators=(",", ":"))
 
-    def value_for(self, spec: ParameterSpec, node: str, manager: str = "") -> ParameterValue | None:
+    def value_for(
+        self, spec: ParameterSpec, names: Sequence[str], managers: Sequence[str] = ()
+    ) -> ParameterValue | None:
         """Return the value that a parameter is given; None if there is none.
 
         Args:
             spec: The declaration, with the name as the node knows it.
-            node: The name of the node.
-            manager: The name of its manager, if it shares the connection of one.
+            names: Names of the node, the one for messages first, possibly with a namespace.
+            managers: Names of its manager, if it shares the connection of one.
 
         Raises:
             ParameterError: The value is not one of the declared type.
         """
-        full = f"{node}.{spec.name}"
-        self._declared.add(full)
+        full = [f"{_base(name)}.{spec.name}" for name in names]
+        self._declared.add(full[0])
         exact = [
             number
             for number, given in enumerate(self.values)
-            if (given.name == spec.name and given.node not in _ANY and _matches(given.node, node))
-            or (given.name == full and (given.node in _ANY or _matches(given.node, manager)))
+            if (given.name == spec.name and _is_section_of(given, names))
+            or (given.name in full and (given.node in _ANY or _is_section_of(given, managers)))
         ]
         general = [
             number
@@ -90,20 +104,29 @@ class GivenParameters:
         ]
         self._used.update(exact, general)
         last = max(exact or general, default=None)
-        return None if last is None else _read(evolve(spec, name=full), self.values[last])
+        return None if last is None else _read(evolve(spec, name=full[0]), self.values[last])
 
-    def unused(self, others: Iterable[str] = ()) -> list[str]:
-        """Return a line for each value that no node has declared.
+    def unused(self, others: Collection[str] = ()) -> list[str]:
+        """Return a line for each value that no node has declared, each value once.
 
         Args:
-            others: Names of nodes in other processes.
+            others: Names of nodes that may declare parameters elsewhere or later. If there are
+                any, a value for every node may be for them.
         """
         lines = []
         for number, given in enumerate(self.values):
-            if number not in self._used and not any(_is_for(given, other) for other in others):
-                name = given.name if given.node in _ANY else f"{given.node.strip('/')}.{given.name}"
-                lines.append(f"no node declares the parameter {name}{self._hint(name)}")
+            if number in self._used or any(_is_for(given, other) for other in others):
+                continue
+            if others and given.node in _ANY and not self._names_a_node(given):
+                continue
+            self._used.add(number)
+            name = given.name if given.node in _ANY else f"{given.node.strip('/')}.{given.name}"
+            lines.append(f"no node declares the parameter {name}{self._hint(name)}")
         return lines
+
+    def _names_a_node(self, given: GivenValue) -> bool:
+        known = {full.partition(".")[0] for full in self._declared}
+        return given.name.partition(".")[0] in known and "." in given.name
 
     def _hint(self, name: str) -> str:
         longer = sorted(one for one in self._declared if one.endswith(f".{name}"))
@@ -112,6 +135,11 @@ class GivenParameters:
         if hint := did_you_mean(name, self._declared):
             return hint
         return did_you_mean(name, {one.partition(".")[2] for one in self._declared})
+
+
+def are_inherited() -> bool:
+    """Return whether the values were given to the manager that has started this process."""
+    return _CHILD_MARK in os.environ
 
 
 def given_parameters() -> GivenParameters:
@@ -130,17 +158,30 @@ _known: list[tuple[str, GivenParameters]] = []
 
 
 def _is_for(given: GivenValue, node: str) -> bool:
-    is_named = given.node not in _ANY and _matches(given.node, node)
-    return is_named or given.name.startswith(f"{node}.")
+    return _is_section_of(given, [node]) or given.name.startswith(f"{_base(node)}.")
+
+
+def _is_section_of(given: GivenValue, names: Sequence[str]) -> bool:
+    return given.node not in _ANY and any(_matches(given.node, name) for name in names)
+
+
+def _base(name: str) -> str:
+    """Return the name without its namespace."""
+    return name.rpartition("/")[2]
 
 
 def _matches(pattern: str, node: str) -> bool:
-    """Return whether the pattern of a file has the node: `*` is a part of a name, `**` any."""
-    parts = (
-        ".*" if part == "**" else "[^/]*".join(map(re.escape, part.split("*")))
-        for part in pattern.strip("/").split("/")
+    """Return whether the pattern of a file has the node, as in rcl; `*` may be a part of a name.
+
+    A pattern without a namespace has the node in any.
+    """
+    parts = pattern.strip("/").split("/")
+    form = "".join(
+        r"(/[^/]+)*" if part == "**" else "/" + "[^/]*".join(map(re.escape, part.split("*")))
+        for part in parts
     )
-    return bool(node) and re.fullmatch("/".join(parts), node.strip("/")) is not None
+    full = f"/{node.strip('/')}"
+    return any(re.fullmatch(form, one) for one in {full, f"/{_base(full)}"})
 
 
 def _read(spec: ParameterSpec, given: GivenValue) -> ParameterValue:
@@ -154,5 +195,7 @@ def _read(spec: ParameterSpec, given: GivenValue) -> ParameterValue:
 
 
 def _item(item: Any) -> WrittenText:
+    if isinstance(item, str):
+        return WrittenText(item)
     data = item.get("data")
     return WrittenText(item["text"], item["quoted"], None if data is None else bytes(data))

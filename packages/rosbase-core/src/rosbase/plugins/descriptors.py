@@ -106,8 +106,8 @@ class CommandPlugin:
     run: Callable[[Any], int] = field(validator=validators.is_callable())
     """Runs the command with the parsed arguments; returns the exit status."""
     forwards_backend_arguments: bool = field(default=False, kw_only=True)
-    """Whether arguments for a backend, such as those after `--ros-args`, are for a program that it
-    runs. It finds them in `backend_arguments` of the parsed arguments."""
+    """Whether arguments for a backend, such as those after `--ros-args`, and everything after `--`
+    are for a program that it runs. It finds them in `backend_arguments` of the parsed arguments."""
 
 
 def _of_ones_own(instance: object, attribute: "Attribute[type]", value: type) -> None:

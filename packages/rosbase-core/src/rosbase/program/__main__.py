@@ -27,7 +27,7 @@ def main() -> None:
 
 
 def _run(target: str) -> None:
-    if target.endswith(".py") or Path(target).is_file():
+    if target.endswith(".py") or "/" in target or Path(target).is_file():
         if not Path(target).is_file():
             raise ConfigurationError(f"{target}: no such file")
         sys.path[0] = str(Path(target).resolve().parent)
@@ -42,7 +42,7 @@ def _run(target: str) -> None:
 
 
 def start(program: Any, target: str) -> None:
-    """Start a manager or standalone node by its class, or call a function.
+    """Start a manager or standalone node by its class, or end with what a function returns.
 
     Raises:
         ConfigurationError: It is something else.
@@ -52,7 +52,7 @@ def start(program: Any, target: str) -> None:
     elif isinstance(program, type) and issubclass(program, BaseNode):
         program().start_spin_standalone()
     elif callable(program) and not isinstance(program, type):
-        program()
+        sys.exit(program())
     else:
         raise ConfigurationError(f"{target} is neither a manager nor a node nor a function")
 
@@ -74,9 +74,13 @@ def _find(module: str) -> None:
         ConfigurationError: It does not exist.
     """
     try:
-        found = find_spec(module)
-    except (ModuleNotFoundError, ValueError):
-        # The package that should hold it does not exist.
+        found = find_spec(module) if all(module.split(".")) else None
+    except ModuleNotFoundError as error:
+        if not f"{module}.".startswith(f"{error.name}."):
+            # Something else, that the package imports.
+            raise
+        found = None
+    except ValueError:
         found = None
     if found is None:
         raise ConfigurationError(f"there is no file or module {module!r}")

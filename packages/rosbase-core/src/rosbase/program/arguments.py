@@ -9,7 +9,12 @@ from typing import NoReturn
 
 from rosbase.errors import ConfigurationError
 from rosbase.logger.environment import LEVEL_VARIABLE, levels_in
-from rosbase.parameters.given import GIVEN_VARIABLE, GivenParameters, GivenValue
+from rosbase.parameters.given import (
+    GIVEN_VARIABLE,
+    GivenParameters,
+    GivenValue,
+    given_parameters,
+)
 from rosbase.program.files import read_file
 from rosbase.roles.connection import BACKEND_VARIABLE
 
@@ -17,6 +22,10 @@ __all__ = ["add_arguments", "take_arguments"]
 
 _FOR_THE_BACKEND = "--ros-args"
 _END = "--"
+_SHORT = "-p"
+_LONG = ("--params-file", "--backend", "--log-level")
+# Linux takes 128 KiB for one variable of the environment.
+_MOST_CHARACTERS = 100_000
 
 
 class _Parser(argparse.ArgumentParser):
@@ -27,7 +36,7 @@ class _Parser(argparse.ArgumentParser):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `take_arguments` to a parser."""
     parser.add_argument(
-        "-p",
+        _SHORT,
         dest="assignments",
         metavar="NAME:=VALUE",
         action="append",
@@ -73,11 +82,26 @@ def take_arguments(
     words = list(sys.argv[1:] if arguments is None else arguments)
     limits = [words.index(word) for word in (_FOR_THE_BACKEND, _END) if word in words]
     end = min(limits, default=len(words))
+    ours, others = _split(words[:end])
     parser = _Parser(add_help=False, allow_abbrev=False)
     add_arguments(parser)
-    taken, others = parser.parse_known_args(words[:end], before)
-    apply(taken)
+    apply(parser.parse_args(ours, before))
     return [*others, *words[end:]]
+
+
+def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Split our options, with their values, from everything else: `-port` is none of ours."""
+    ours: list[str] = []
+    others: list[str] = []
+    is_value = False
+    for word in words:
+        is_option = word in (*_LONG, _SHORT)
+        is_both = word.startswith(tuple(f"{option}=" for option in _LONG)) or (
+            word.startswith(_SHORT) and ":=" in word
+        )
+        (ours if is_value or is_option or is_both else others).append(word)
+        is_value = is_option and not is_value
+    return ours, others
 
 
 def apply(taken: argparse.Namespace) -> None:
@@ -89,7 +113,12 @@ def apply(taken: argparse.Namespace) -> None:
     values = [value for file in taken.files for value in read_file(file)]
     values += [_assigned(text) for text in taken.assignments]
     if values:
-        os.environ[GIVEN_VARIABLE] = GivenParameters(values).to_json()
+        text = GivenParameters([*given_parameters().values, *values]).to_json()
+        if len(text) > _MOST_CHARACTERS:
+            raise ConfigurationError(
+                f"the parameters are too long: {len(text)} characters of {_MOST_CHARACTERS}"
+            )
+        os.environ[GIVEN_VARIABLE] = text
     if taken.backend:
         os.environ[BACKEND_VARIABLE] = taken.backend
     if taken.levels:

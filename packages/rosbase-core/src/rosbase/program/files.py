@@ -30,10 +30,16 @@ def read_file(file: Path) -> list[GivenValue]:
         return list(_read_yaml(file))
     values = []
     for name, value in read_toml(file).items():
-        if isinstance(value, _DATES):
+        if _has_date(value):
             raise ConfigurationError(f"{file}: {name} is a date; write text in quotes")
         values.append(GivenValue("", name.removeprefix(f"{_ANY}."), value, "typed"))
     return values
+
+
+def _has_date(value: Any) -> bool:
+    if isinstance(value, (list, dict)):
+        return any(map(_has_date, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, _DATES)
 
 
 def read_toml(file: Path) -> dict[str, Any]:
@@ -89,7 +95,9 @@ def _plain(written: Written) -> Any:
     return [_item(item) for item in written] if isinstance(written, tuple) else _item(written)
 
 
-def _item(item: WrittenText) -> dict[str, Any]:
+def _item(item: WrittenText) -> Any:
+    if not item.is_quoted and item.data is None:
+        return item.text
     data = None if item.data is None else list(item.data)
     return {"text": item.text, "quoted": item.is_quoted, "data": data}
 

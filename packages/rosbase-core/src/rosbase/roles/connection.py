@@ -83,10 +83,10 @@ def connect(
         key: The name in `nodes`; empty for a node that was not registered.
         is_lifecycle: Whether it is a lifecycle node.
     """
-    if not key or (is_lifecycle and key == manager.registration.node_name):
+    if not key or (is_lifecycle and key == manager._registration.node_name):
         return manager.backend, manager.logger
     node = manager.backend.open_node(key, is_lifecycle=is_lifecycle)
-    if manager.registration.has_custom_logger:
+    if manager._registration.has_custom_logger:
         # A class of the application may open a file: one is enough.
         return node, manager.logger
     return node, open_logger(node, f"{manager.logger.name}.{key}")

@@ -51,7 +51,7 @@ class ManagerContext(Protocol):
     """Nodes by name, in order of registration; grows while components are built."""
     agents: dict[str, Any]
     """Agents by name, as `nodes`."""
-    registration: Registration
+    _registration: Registration
     """Key for the component that is being built."""
     node_freq_hz: float
     state: str | None
@@ -97,8 +97,9 @@ class Component:
         check_methods(self, self._plain_methods)
         self.manager = manager
         # A stand-in for a manager, in a test of the application, may have none.
-        registration: Registration | None = getattr(manager, "registration", None)
-        self._key = registration.take_key() if registration is not None else ""
+        registration: Registration | None = getattr(manager, "_registration", None)
+        if registration is not None and not self._key:
+            self._key = registration.take_key(self)
         self._is_initialised = True
 
     if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute

@@ -276,6 +276,11 @@ class LifecycleNode(BaseNode):
     def _begin(self) -> None:
         self.bring_up()
 
+    def _name_undeclared(self) -> None:
+        # Parameters may be declared in `on_configure`.
+        if self.get_state() is not State.UNCONFIGURED:
+            super()._name_undeclared()
+
     def _end(self) -> None:
         self.take_down(finalize=True)
 

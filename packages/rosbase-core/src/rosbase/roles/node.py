@@ -16,10 +16,10 @@ from rosbase.parameters import (
     SetParametersResult,
     check_value,
 )
-from rosbase.parameters.given import given_parameters
+from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
-from rosbase.roles.connection import connect, is_child, lone_node_name, open_backend, open_logger
+from rosbase.roles.connection import connect, lone_node_name, open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
@@ -76,13 +76,16 @@ class BaseNode(Constructed, Component):
         super().__init__(manager)
         self._stop_requested = False
         self._parameter_defaults = parameter_defaults or {}
+        if "_connection" in self.__dict__:
+            # A base class is initialised twice, as in a diamond of old style.
+            return
         if manager is not None:
             self._backend = manager.backend
             self._connection, self.logger = connect(
                 manager, self._key, is_lifecycle=self._is_lifecycle
             )
             return
-        name = node_name or lone_node_name(self)
+        name = self._program_name = node_name or lone_node_name(self)
         self._connection = self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = open_logger(self._backend, name, custom_logger)
         warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
@@ -246,9 +249,20 @@ class BaseNode(Constructed, Component):
         if own in defaults or spec.name in defaults:
             default = defaults[own] if own in defaults else defaults[spec.name]
             spec = evolve(spec, default=check_value(spec, default))
-        main_node = self._backend.node_name
-        value = given_parameters().value_for(spec, self._key or main_node, main_node)
+        value = given_parameters().value_for(spec, *self._names_outside())
         return spec if value is None else evolve(spec, default=value)
+
+    def _names_outside(self) -> tuple[list[str], list[str]]:
+        """Return the names by which users know this node, and those of its manager."""
+        backend_name = self._backend.node_name
+        if self.manager is None:
+            return [self._program_name, backend_name], []
+        registration = getattr(self.manager, "_registration", None)
+        of_manager = [registration.node_name, backend_name] if registration else [backend_name]
+        if not self._key:
+            return of_manager, []
+        is_node = self._is_lifecycle
+        return [self._key, self._connection.node_name] if is_node else [self._key], of_manager
 
     @property
     def _label(self) -> str:
@@ -272,10 +286,8 @@ class BaseNode(Constructed, Component):
     def _run(self, stop: StopSignals | None) -> None:
         try:
             self._backend.begin_run(self._request_stop)
-            if not is_child():
-                for line in given_parameters().unused():
-                    self.logger.warning(line)
             self._begin()
+            self._name_undeclared()
             while not self._stop_requested:
                 deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                 self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
@@ -287,6 +299,12 @@ class BaseNode(Constructed, Component):
             failure = self._shut_down(stop)
         if failure is not None:
             raise failure
+
+    def _name_undeclared(self) -> None:
+        """Warn of parameters from outside that this standalone node has not declared."""
+        if not are_inherited():
+            for line in given_parameters().unused():
+                self.logger.warning(line)
 
     def _begin(self) -> None:
         """Prepare a standalone node before it is spun."""
