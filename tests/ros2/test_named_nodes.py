@@ -183,6 +183,50 @@ def test_what_no_node_takes_is_named_once(
     assert message.startswith(f"parameter spede {said}")
 
 
+@pytest.mark.parametrize("given", [("-p", "left:spede:=4.0"), ("-p", "left.spede:=4.0")])
+def test_what_the_only_node_that_is_given_it_does_not_take_is_named(
+    opened: Open, caplog: pytest.LogCaptureFixture, given: tuple[str, ...]
+) -> None:
+    backend = opened(*given)
+    manager(backend, left=Arm)
+    while backend.spin_once(0.0):
+        pass
+    (message,) = caplog.messages
+    assert "spede is set from outside" in message
+
+
+@pytest.mark.parametrize("given", ["left.speed:=7.0", "left:speed:=7.0", "speed:=7.0"])
+def test_a_parameter_behind_ros_args_may_have_the_name_of_the_node_in_front(
+    opened: Open, given: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    backend = opened("-p", "speed:=2.0", "-p", given)
+    app = manager(backend, left=Arm, right=Arm)
+    assert app.nodes["left"].speed == 7.0
+    assert app.nodes["right"].speed == (7.0 if given.startswith("speed") else 2.0)
+    while backend.spin_once(0.0):
+        pass
+    assert caplog.messages == []
+
+
+def test_each_node_has_its_own_simulated_time(opened: Open) -> None:
+    app = manager(opened("-p", "left:use_sim_time:=true"), left=Arm, right=Arm)
+    left, right = (app.nodes[name] for name in ("left", "right"))
+    assert left.get_clock().now_ns() == 0
+    assert right.get_clock().now_ns() > 0
+    calls: list[str] = []
+    left.create_timer(0.01, lambda: calls.append("left"))
+    right.create_timer(0.01, lambda: calls.append("right"))
+    spin_until(app.backend, lambda: calls.count("right") > 3)  # type: ignore[arg-type]
+    assert "left" not in calls
+
+
+def test_a_lifecycle_node_starts_no_native_thread(opened: Open) -> None:
+    backend = opened()
+    manager(backend, left=Arm, driver=Arm)
+    assert backend.node.native.is_empty
+    assert not [t for t in threading.enumerate() if t.name.startswith("rclpy-native")]
+
+
 def test_a_file_for_no_node_is_named(
     opened: Open, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import rclpy
 
@@ -10,20 +11,22 @@ from rosbase import (
     BackendOptions,
     NodeConnection,
     SystemClock,
-    Timer,
     check_node_name,
     installed_plugins,
-    timer_period_ns,
 )
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.delivery import await_delivery
-from rosbase_ros2.given import name_strange_files, name_strange_parameters
+from rosbase_ros2.given import name_strange_files, name_strange_parameters, own_first
 from rosbase_ros2.host import Host
 from rosbase_ros2.node import RosNode
 from rosbase_ros2.process import Process
-from rosbase_ros2.sim_time import SimTimeWatch
-from rosbase_ros2.starting import prepare_machine, ros_arguments, start_node, start_other_node
-from rosbase_ros2.timers import RosTimer, Timers
+from rosbase_ros2.starting import (
+    prepare_machine,
+    ros_arguments,
+    start_node,
+    start_other_node,
+    without_node_name,
+)
 from rosbase_ros2.written import RosArguments
 
 __all__ = ["Ros2Backend"]
@@ -57,34 +60,20 @@ class Ros2Backend(RosNode, Backend):
         process.find_log_file()
         self._others: list[RosNode] = []
         try:
-            self.set_up(process, node, options.parameter_overrides, self._end_with_context)
+            self.set_up(process, node, self._end_with_context)
+            with arguments.for_rcl() as taken:
+                self._host = Host(self._logger.info, without_node_name(taken))
         except BaseException:
+            for spinner in process.spinners:
+                spinner.close()
             node.destroy_node()
             context.try_shutdown()
             raise
         if warning:
             self._logger.warning(warning)
-        with arguments.for_rcl() as taken:
-            self._host = Host(self._logger.info, taken)
-        self._timers = Timers(self.clock, self.call_soon)
-        self._sim_time = SimTimeWatch(node, self.clock, self.executor, self._logger.warning)
-        if self.given_names or arguments.files:
+        if words or options.parameter_overrides:
             # When the constructors have built their nodes and declared their parameters.
             self.call_soon(self._name_strange)
-
-    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """Create a timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
-        self._process.check_open()
-        return self._timers.add(self.executor.create_timer(timer_period_ns(period_s), callback))
-
-    def timer_now_ns(self) -> int:
-        """Return the time of `/clock` while `use_sim_time` is true, else monotonic time."""
-        return self._timers.now_ns()
-
-    def destroy_timer(self, timer: Timer) -> None:
-        """Destroy a timer."""
-        if isinstance(timer, RosTimer):
-            self._timers.remove(timer)
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open a node of its own for a lifecycle node; others share this one."""
@@ -92,14 +81,12 @@ class Ros2Backend(RosNode, Backend):
             return Backend.open_node(self, name, is_lifecycle=False)
         check_node_name(name)
         self._process.check_open()
-        start = f"{name}."
-        given = self._process.options.parameter_overrides
-        own = {key.removeprefix(start): given[key] for key in given if key.startswith(start)}
-        values = {**given, **own}
+        prefix = f"{name}."
+        values = own_first(self._process.options.parameter_overrides, prefix)
         node = start_other_node(self._process.context, name, values)
-        other = OtherNode(self)
+        other = RosNode()
         try:
-            other.set_up(self._process, node, values, _nothing)
+            other.set_up(self._process, node, _nothing, prefix)
         except BaseException:
             node.destroy_node()
             raise
@@ -113,7 +100,10 @@ class Ros2Backend(RosNode, Backend):
             request_stop()
 
     def end_run(self) -> None:
-        """Shut rclpy down: `rclpy.ok()` is false from now on, unless another manager runs."""
+        """Shut rclpy down: `rclpy.ok()` is false from now on.
+
+        A context that rosbase has initialised stays while another manager needs it.
+        """
         self._host.end_run()
 
     def close(self) -> None:
@@ -123,20 +113,18 @@ class Ros2Backend(RosNode, Backend):
             return
         process.is_closed = True
         nodes: list[RosNode] = [*self._others, self]
-        publishers = [publisher for node in nodes for publisher in node.stop_sending()]
-        if process.context.ok():
-            await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
-        for node in nodes:
-            node.stop_receiving()
-        for other in self._others:
-            other.destroy()
-        if self._spinner.close():
-            self._timers.close()
-            self._sim_time.close()
-            self.node.destroy_node()
-        process.context.try_shutdown()
-        self._host.close()
-        self.executor.close()
+        with ExitStack() as last:
+            # Each of them, whatever happens before; the last one first.
+            last.callback(self.executor.close)
+            last.callback(self._host.close)
+            last.callback(process.context.try_shutdown)
+            for node in reversed(nodes):
+                last.callback(node.destroy)
+            publishers = [publisher for node in nodes for publisher in node.stop_sending()]
+            if process.context.ok():
+                await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
+            for node in nodes:
+                node.stop_receiving()
 
     def _end_with_context(self) -> None:
         self._host.shut_down("the context of the node has been shut down")
@@ -151,21 +139,6 @@ class Ros2Backend(RosNode, Backend):
             self._warn,
         )
         name_strange_parameters(nodes, claimed)
-
-
-class OtherNode(RosNode):
-    """A node of ROS beside the one of the backend. Its timers are the backend's."""
-
-    def __init__(self, backend: Ros2Backend) -> None:
-        self._backend = backend
-
-    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
-        """Create a timer of the main loop."""
-        return self._backend.create_timer(period_s, callback)
-
-    def destroy_timer(self, timer: Timer) -> None:
-        """Destroy a timer."""
-        self._backend.destroy_timer(timer)
 
 
 def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:

@@ -57,6 +57,10 @@ class _Loan:
         self._end(context)
 
     def _lend(self, arguments: Sequence[str]) -> None:
+        self._context = None
+        if rclpy.get_default_context().handle is not None:
+            # One that has ended, such as by a signal handler of rclpy. This replaces it.
+            rclpy.try_shutdown()
         rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
         self._context = context = rclpy.get_default_context()
         self._borrowers.clear()

@@ -13,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
 
 from rosbase import Clock
+from rosbase_ros2.refusals import RCLError
 from rosbase_ros2.shared_node import OwnGroup
 
 __all__ = ["Retirement", "await_delivery"]
@@ -66,6 +67,6 @@ def _is_delivered(publisher: Any) -> bool:
     """Return whether every subscriber has acknowledged everything. An unreliable one need not."""
     try:
         return bool(publisher.wait_for_all_acked(_NOW))
-    except InvalidHandle:
-        # Somebody else has destroyed it meanwhile.
+    except (InvalidHandle, RCLError):
+        # Somebody else has destroyed it meanwhile, or its context has ended.
         return True

@@ -1,13 +1,15 @@
 """Parameters that a node got from outside, and parameter files that name no such node."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from rclpy.parameter import Parameter as RosParameter
 
 from rosbase_ros2.qos_overrides import PREFIX
 
-__all__ = ["given_parameters", "name_strange_files", "name_strange_parameters"]
+__all__ = ["given_parameters", "name_strange_files", "name_strange_parameters", "own_first"]
+
+ValueT = TypeVar("ValueT")
 
 
 class GivenNode(Protocol):
@@ -26,6 +28,18 @@ def given_parameters(node: Any) -> dict[str, Any]:
     with node.handle:
         given = node.handle.get_parameters(RosParameter)
     return {name: parameter.value for name, parameter in given.items()}
+
+
+def own_first(given: Mapping[str, ValueT], prefix: str) -> dict[str, ValueT]:
+    """Return the given values of a node, also under the names that they have in the node.
+
+    Args:
+        given: The values; those that begin with the prefix are for this node alone, and win.
+        prefix: Such as `left.`; empty if there are none for this node alone.
+    """
+    start = prefix or "\0"
+    own = {name.removeprefix(start): given[name] for name in given if name.startswith(start)}
+    return {**given, **own}
 
 
 def name_strange_files(

@@ -27,10 +27,10 @@ class Host:
             arguments: Arguments for ROS of a default context that the program has not made.
         """
         self._report = report
-        borrow(self, arguments)
         self._context: Any = None
         self._spinner: Spinner | None = None
         self._request_stop: Callable[[], object] | None = None
+        borrow(self, arguments)
 
     def begin_run(self, request_stop: Callable[[], object], spinner: Spinner) -> None:
         """Call a function when rclpy is shut down.

@@ -72,7 +72,7 @@ class LifecycleServices:
         self._lock = threading.Lock()
         self._create_services()
         self._events = node.create_publisher(
-            msg.TransitionEvent, "~/transition_event", _EVENT_DEPTH
+            msg.TransitionEvent, "~/transition_event", _EVENT_DEPTH, callback_group=OwnGroup()
         )
         managed.add_transition_listener(self._publish)
 

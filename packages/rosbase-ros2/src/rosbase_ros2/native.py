@@ -9,6 +9,7 @@ A program may spin the node with an executor of its own too, as `rclpy.spin_unti
 does: a guest. It is told of each callback that has run here, and returns as if it had run it.
 """
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -125,9 +126,16 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
     # For a program that spins `node.executor`: it waits for what the threads do.
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Wait until a callback has run."""
+        """Wait until a callback has run, or the node ends. Without a timeout, wait for ever."""
+        patience_s = math.inf if timeout_sec is None or timeout_sec < 0 else timeout_sec
+        start_ns = self._machine.monotonic_ns()
         with self._finish:
-            self._finish.wait(timeout_sec)
+            before = self._finished
+            while self._finished == before and not self._is_closed and self._context.ok():
+                left_s = patience_s - (self._machine.monotonic_ns() - start_ns) / 1e9
+                if left_s <= 0:
+                    return
+                self._finish.wait(min(left_s, _GUEST_S))
 
     def spin_once_until_future_complete(
         self, future: Any, timeout_sec: float | TimeoutObject | None = None

@@ -1,7 +1,7 @@
 """One node of ROS: its topics, parameters, lifecycle and log, and the thread that serves it."""
 
 import copy
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from rclpy.qos import QoSProfile
@@ -14,20 +14,21 @@ from rosbase import (
     OnSetParameters,
     Parameter,
     ParameterSpec,
-    ParameterValue,
     PostSetParameters,
     Publisher,
     SetParametersResult,
     Subscription,
+    Timer,
     make_logger,
     name_undeclared,
     one_line,
     resolve_topic,
+    timer_period_ns,
 )
 from rosbase.messages import Imu
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.delivery import Retirement
-from rosbase_ros2.given import given_parameters
+from rosbase_ros2.given import given_parameters, own_first
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
@@ -38,8 +39,10 @@ from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.shared_node import OwnGroup, SharedNode
+from rosbase_ros2.sim_time import SimTimeWatch
 from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.starting import is_enabled
+from rosbase_ros2.timers import RosTimer, Timers
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
 __all__ = ["RosNode"]
@@ -56,16 +59,17 @@ class RosNode(NodeConnection):
         self,
         process: Process,
         node: SharedNode,
-        values: Mapping[str, ParameterValue],
         on_context_end: Callable[[], object],
+        prefix: str = "",
     ) -> None:
         """Take over an rclpy node, and begin to serve it.
 
         Args:
             process: What it shares with other nodes.
             node: The rclpy node.
-            values: Values of the program that override the defaults of its parameters.
             on_context_end: Called on the thread of the node when its context ends first.
+            prefix: Beginning of the names of parameters that are given to this node alone, such
+                as `left.`.
 
         Raises:
             ParameterError: An override of a quality of service is invalid.
@@ -86,15 +90,15 @@ class RosNode(NodeConnection):
             self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
         )
         self._refusals = Refusals(process.context, self._logger)
-        self._values = values
-        self._given = given_parameters(node)
+        self._values = own_first(process.options.parameter_overrides, prefix)
+        self._given = own_first(given_parameters(node), prefix)
         # What a program is given is meant for its manager or one of its children.
         is_child = process.options.is_child
         self._warn = self._logger.debug if is_child else self._logger.warning
         self._overrides = QoSOverrides(self._given, self._warn)
-        questions = Questions(process.executor.call_soon, self._is_on_spinner)
+        questions = Questions(process.executor.call_soon, process.is_on_rclpy_thread)
         written = process.arguments.written_for(node.get_fully_qualified_name())
-        overrides = Overrides(values, self._given, written)
+        overrides = Overrides(self._values, self._given, own_first(written, prefix))
         self._parameters = RosParameters(
             node,
             overrides,
@@ -107,7 +111,10 @@ class RosNode(NodeConnection):
         self._retirement = Retirement(node)
         self._subscriptions: list[RosSubscription] = []
         self._services: list[LifecycleServices] = []
+        self._timers = Timers(clock, process.executor.call_soon)
+        self._sim_time = SimTimeWatch(node, clock, process.executor, self._logger.warning)
         self._spinner = Spinner(process.context, node, self._report, on_context_end)
+        process.spinners.append(self._spinner)
 
     @property
     def given_names(self) -> list[str]:
@@ -169,6 +176,21 @@ class RosNode(NodeConnection):
             self._subscriptions.remove(subscription)
             subscription.close()
             self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
+
+    def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
+        """Create a timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
+        self._process.check_open()
+        period_ns = timer_period_ns(period_s)
+        return self._timers.add(self._process.executor.create_timer(period_ns, callback))
+
+    def timer_now_ns(self) -> int:
+        """Return the time of `/clock` while `use_sim_time` is true, else monotonic time."""
+        return self._timers.now_ns()
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Destroy a timer."""
+        if isinstance(timer, RosTimer):
+            self._timers.remove(timer)
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter of the node."""
@@ -234,6 +256,8 @@ class RosNode(NodeConnection):
         """Destroy the rclpy node; return whether that was possible: no callback hangs."""
         if not self._spinner.close():
             return False
+        self._timers.close()
+        self._sim_time.close()
         self.node.destroy_node()
         return True
 
@@ -276,9 +300,6 @@ class RosNode(NodeConnection):
             if end.topic_name == name and end.msg_type is not ros_type:
                 known, new = name_of(end.msg_type), name_of(ros_type)
                 raise TypeError(f"it carries {known}, so it cannot carry {new}")
-
-    def _is_on_spinner(self) -> bool:
-        return self._spinner.is_current_thread
 
     def _report(self, error: BaseException) -> None:
         self._logger.error(f"a callback of rclpy raised {type(error).__name__}: {error}")

@@ -9,6 +9,7 @@ from rosbase import BackendError, BackendOptions, Executor
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.log_file import LogFile
 from rosbase_ros2.shared_node import SharedNode
+from rosbase_ros2.spinner import Spinner
 from rosbase_ros2.starting import is_enabled
 from rosbase_ros2.written import RosArguments
 
@@ -33,12 +34,18 @@ class Process:
     """Log file of ROS, if there is one."""
     nodes: list[SharedNode] = field(init=False, factory=list)
     """Nodes of rclpy."""
+    spinners: list[Spinner] = field(init=False, factory=list)
+    """Threads of the nodes."""
     is_closed: bool = field(init=False, default=False)
 
     def find_log_file(self) -> None:
         """Find the log file, which rcl opens with the first node."""
         if is_enabled("external-lib-logs", self.words):
             self.log_file = LogFile.of_this_process()
+
+    def is_on_rclpy_thread(self) -> bool:
+        """Return whether the caller is a callback of rclpy, on a thread of any node."""
+        return any(spinner.is_current_thread for spinner in self.spinners)
 
     def check_open(self) -> None:
         """Check that the backend has not been closed.

@@ -6,6 +6,7 @@ it takes. No other executor serves either of them. So an executor of the program
 node finds nothing here to take away, and need not give anything back.
 """
 
+import copy
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -150,7 +151,8 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         **options: Any,
     ) -> Any:
         """Create a publisher of rclpy."""
-        events = event_callbacks or PublisherEventCallbacks()
+        # A copy: the program may use its object for several topics.
+        events = copy.copy(event_callbacks) or PublisherEventCallbacks()
         warn_of_subscriptions(events, topic, self.get_logger)
         return super().create_publisher(
             msg_type, topic, qos_profile, event_callbacks=events, **options
@@ -168,7 +170,7 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         **options: Any,
     ) -> Any:
         """Create a subscription of rclpy."""
-        events = event_callbacks or SubscriptionEventCallbacks()
+        events = copy.copy(event_callbacks) or SubscriptionEventCallbacks()
         warn_of_publishers(events, topic, self.get_logger)
         if isinstance(getattr(callback, "__self__", None), TimeSource):
             # `/clock` moves the timers of rosbase. rclpy subscribes to it when it is wanted.

@@ -9,7 +9,14 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from rosbase import BackendError, BackendOptions, ParameterValue, SystemClock, date_fault, one_line
+from rosbase import (
+    BackendError,
+    BackendOptions,
+    ParameterValue,
+    SystemClock,
+    date_fault,
+    one_line,
+)
 from rosbase_ros2.machine import (
     date_refusal,
     domain_fault,
@@ -20,7 +27,14 @@ from rosbase_ros2.machine import (
 from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.written import RosArguments
 
-__all__ = ["is_enabled", "prepare_machine", "ros_arguments", "start_node", "start_other_node"]
+__all__ = [
+    "is_enabled",
+    "prepare_machine",
+    "ros_arguments",
+    "start_node",
+    "start_other_node",
+    "without_node_name",
+]
 
 
 def prepare_machine() -> str:
@@ -87,8 +101,8 @@ def start_other_node(
     Raises:
         BackendError: ROS refuses the name.
     """
-    given = [rclpy.Parameter(key, value=value) for key, value in overrides.items()]
     try:
+        given = [rclpy.Parameter(key, value=value) for key, value in overrides.items()]
         return SharedNode(name, context=context, cli_args=_named(name), parameter_overrides=given)
     except Exception as error:
         raise BackendError(f"node {name!r} cannot be created: {one_line(str(error))}") from error
@@ -96,6 +110,17 @@ def start_other_node(
 
 def _named(name: str) -> list[str]:
     return ["--ros-args", "-r", f"__node:={name}"]
+
+
+def without_node_name(words: Iterable[str]) -> list[str]:
+    """Return arguments for ROS without a rule that would give every node the same name."""
+    found: list[str] = []
+    for word in words:
+        if word.startswith(("__node:=", "__name:=")) and found[-1:] in (["-r"], ["--remap"]):
+            found.pop()
+        else:
+            found.append(word)
+    return found
 
 
 def ros_arguments(command_line: Iterable[str]) -> list[str]:

@@ -207,6 +207,10 @@ class NodeConnection(ABC):
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer of this connection. Do nothing if it has ended."""
 
+    @abstractmethod
+    def timer_now_ns(self) -> int:
+        """Return the time that timers follow, in nanoseconds."""
+
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Let other programs see and drive the lifecycle of a node of this backend.
 

@@ -81,6 +81,10 @@ class NodeView(NodeConnection):
         """Destroy a timer."""
         self._shared.destroy_timer(timer)
 
+    def timer_now_ns(self) -> int:
+        """Return the time that timers follow."""
+        return self._shared.timer_now_ns()
+
     def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter; others see it with the name of the node in front."""
         return self._inner(

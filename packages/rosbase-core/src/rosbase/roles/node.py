@@ -134,7 +134,7 @@ class BaseNode(Constructed, Component):
         """
         return Latest(
             lambda keep: self.create_subscription(msg_type, topic, keep, qos_profile),
-            self._backend.timer_now_ns,
+            self._connection.timer_now_ns,
         )
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
