@@ -13,6 +13,7 @@ import rclpy
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter as RosParameter
@@ -531,3 +532,50 @@ def test_nodes_of_the_program_need_no_init(opened: Open) -> None:
     rclpy.spin_once(node)
     assert ticks == [0]
     node.destroy_node()
+
+
+def test_a_name_on_the_command_line_is_not_that_of_the_programs_own_nodes(opened: Open) -> None:
+    backend = opened("-r", "__node:=eve", "-r", "__ns:=/robot")
+    node: Any = rclpy.create_node("second")
+    assert node.get_fully_qualified_name() == "/robot/second"
+    assert backend.node.get_fully_qualified_name() == "/robot/eve"
+    node.destroy_node()
+
+
+@pytest.mark.parametrize("is_programs", [True, False], ids=["its own", "a lent one"])
+def test_a_backend_opens_after_a_default_context_that_has_ended(is_programs: bool) -> None:
+    first = None if is_programs else Ros2Backend(BackendOptions("first"))
+    if is_programs:
+        rclpy.init(args=[])
+    # As the signal handlers of rclpy do it: the default context stays, and is dead.
+    rclpy.get_default_context().shutdown()
+    assert not rclpy.ok()
+    backend = Ros2Backend(BackendOptions("second"))
+    assert rclpy.ok()
+    backend.close()
+    if first is not None:
+        first.close()
+    assert not rclpy.ok()
+
+
+def test_a_program_that_spins_the_executor_of_the_node_ends_with_it() -> None:
+    backend = Ros2Backend(BackendOptions("spun"))
+    executor = backend.node.executor
+    ended: list[bool] = []
+
+    def spin() -> None:
+        executor.spin_once(timeout_sec=-1.0)
+        ended.append(True)
+
+    thread = threading.Thread(target=spin)
+    thread.start()
+    backend.close()
+    thread.join(TIMEOUT_S)
+    assert ended == [True]
+
+
+def test_callbacks_for_events_may_serve_several_topics(backend: Ros2Backend) -> None:
+    events = PublisherEventCallbacks()
+    for topic in ("one", "other"):
+        backend.node.create_publisher(RosString, topic, 10, event_callbacks=events)
+    assert events.incompatible_qos is None
