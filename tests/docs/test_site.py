@@ -32,6 +32,7 @@ INTERNAL = {
         "roles.registration",
         "roles.shutdown",
         "runtime.stopping",
+        "text.toml",
     ),
 }
 ROOMS = ("contracts", "roles", "runtime", "text")
