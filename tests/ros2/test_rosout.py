@@ -272,10 +272,10 @@ def test_ends_of_a_topic_that_do_not_match_are_on_rosout(
 ) -> None:
     backend = start("strict")
     node = backend if creator == "rosbase" else backend.node
-    node.create_subscription(RosString, "asked", print, LATCHED)
+    node.create_subscription(RosString, "asked", lambda message: None, LATCHED)
     node.create_publisher(RosString, "offered", qos_profile_sensor_data)
     listener.node.create_publisher(RosString, "asked", 10)
-    listener.node.create_subscription(RosString, "offered", print, 10)
+    listener.node.create_subscription(RosString, "offered", lambda message: None, 10)
     (asked,) = listener.await_text(
         "strict",
         "New publisher discovered on topic 'asked', offering incompatible QoS. No messages will be"
