@@ -34,7 +34,7 @@ def manager(
     nodes: dict[str, Callable[..., Any]], overrides: dict[str, Any] | None = None, **kwargs: Any
 ) -> BaseManager:
     backend = LocalBackend(BackendOptions("robot", overrides or {}, ManualClock()), Bus())
-    return BaseManager("robot", nodes, backend=backend, **kwargs)  # type: ignore[arg-type]
+    return BaseManager("robot", nodes, backend=backend, **kwargs)  # type: ignore[arg-type]  # any
 
 
 def test_two_nodes_of_one_class_have_a_name_and_parameters_of_their_own() -> None:
@@ -129,7 +129,7 @@ def test_a_program_may_use_the_name_for_something_else() -> None:
 
     class Having(Camera):
         @property
-        def name(self) -> str:  # type: ignore[override]
+        def name(self) -> str:  # type: ignore[override]  # as programs do
             return "computed"
 
     app = manager({"front": Assigning, "rear": Having, "arm": Arm}, {"front.fps": 1, "rear.fps": 2})

@@ -1,5 +1,7 @@
 """Each lifecycle node of a manager is a ROS node of its own; the others share the manager's."""
 
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -82,7 +84,8 @@ def clients(context: Any) -> Iterator[Callable[[str], Client]]:
 def test_three_lifecycle_nodes_are_driven_separately(
     opened: Open, clients: Callable[[str], Client]
 ) -> None:
-    app = manager(opened(), **dict.fromkeys(SIDES, Arm))
+    backend = opened()
+    manager(backend, **dict.fromkeys(SIDES, Arm))
     states: list[dict[str, str]] = []
 
     def drive() -> None:
@@ -93,8 +96,8 @@ def test_three_lifecycle_nodes_are_driven_separately(
             assert found[side].change(label=label)
             states.append({name: client.state() for name, client in found.items()})
 
-    beside(app.backend, drive)  # type: ignore[arg-type]
-    app.backend.close()
+    beside(backend, drive)
+    backend.close()
     assert [tuple(state.values()) for state in states] == [
         ("unconfigured", "inactive", "unconfigured"),
         ("inactive", "inactive", "unconfigured"),
@@ -209,14 +212,15 @@ def test_a_parameter_behind_ros_args_may_have_the_name_of_the_node_in_front(
 
 
 def test_each_node_has_its_own_simulated_time(opened: Open) -> None:
-    app = manager(opened("-p", "left:use_sim_time:=true"), left=Arm, right=Arm)
+    backend = opened("-p", "left:use_sim_time:=true")
+    app = manager(backend, left=Arm, right=Arm)
     left, right = (app.nodes[name] for name in ("left", "right"))
     assert left.get_clock().now_ns() == 0
     assert right.get_clock().now_ns() > 0
     calls: list[str] = []
     left.create_timer(0.01, lambda: calls.append("left"))
     right.create_timer(0.01, lambda: calls.append("right"))
-    spin_until(app.backend, lambda: calls.count("right") > 3)  # type: ignore[arg-type]
+    spin_until(backend, lambda: calls.count("right") > 3)
     assert "left" not in calls
 
 
@@ -250,3 +254,46 @@ def test_a_node_whose_constructor_fails_is_gone_with_the_others(opened: Open) ->
     spin_until(watching, lambda: "left" not in watching.node.get_node_names())
     assert "right" not in watching.node.get_node_names()
     watching.close()
+
+
+TWO_CAMERAS = """
+from rosbase import BaseHandlers, BaseManager, BaseNode
+
+class Camera(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.fps = self.declare_parameter("fps", 30).value
+
+class Stop(BaseHandlers):
+    def handle(self):
+        print({name: camera.fps for name, camera in self.nodes.items()})
+        self.manager.request_stop()
+
+class Robot(BaseManager):
+    def __init__(self, **kwargs):
+        super().__init__("robot", {"front": Camera, "rear": Camera}, handlers_class=Stop, **kwargs)
+"""
+FILES = {
+    "robot.yaml": "/**: {ros__parameters: {fps: 15}}\nrear: {ros__parameters: {fps: 5}}\n",
+    "robot.toml": "fps = 15\n[rear]\nfps = 5\n",
+}
+
+
+@pytest.mark.parametrize("backend", ["local", "ros2"])
+@pytest.mark.parametrize("file", list(FILES))
+def test_two_cameras_are_given_theirs_by_a_file_and_the_command_line(
+    tmp_path: Path, file: str, backend: str
+) -> None:
+    (tmp_path / "cameras.py").write_text(TWO_CAMERAS)
+    (tmp_path / file).write_text(FILES[file])
+    options = ["--params-file", file, "-p", "front.fps:=25", "--backend", backend]
+    done = subprocess.run(
+        [sys.executable, "-m", "rosbase", "run", "cameras:Robot", *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, "{'front': 25, 'rear': 5}\n"), done.stderr
+    assert done.stderr == ""
