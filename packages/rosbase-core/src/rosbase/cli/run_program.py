@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Become the program."""
+    """Replace this process by the program."""
     rest = take_arguments(arguments.arguments, before=arguments)
     words = [arguments.target, *rest, *arguments.backend_arguments]
     sys.stdout.flush()

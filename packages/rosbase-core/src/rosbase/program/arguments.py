@@ -69,8 +69,8 @@ def take_arguments(
     """Take the arguments of `rosbase run` from a command line, and return the others.
 
     These are `-p name:=value`, `--params-file FILE`, `--backend NAME` and
-    `--log-level [NAME:=]LEVEL`. Managers and nodes that are built later in this process, and in its
-    child processes, heed them. Arguments after `--ros-args` are left alone.
+    `--log-level [NAME:=]LEVEL`. They apply to managers and nodes that are built later in this
+    process and in its child processes. Arguments after `--ros-args` are left alone.
 
     Args:
         arguments: The command line without the program; by default that of this process.
@@ -105,7 +105,7 @@ def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def apply(taken: argparse.Namespace) -> None:
-    """Have the managers and nodes of this process heed parsed arguments.
+    """Apply parsed arguments to the managers and nodes of this process.
 
     Raises:
         ConfigurationError: An argument or a file is invalid.
