@@ -229,7 +229,8 @@ if __name__ == "__main__":
     while not processes["c"].pid:
         pass
     shutdown_multiprocess_nodes(processes)
-    print(processes["c"].exit_code)
+    # A shell that is just starting another process notices SIGINT only when that one has ended.
+    print(processes["c"].exit_code in (-2, -15))
 """
 
 
@@ -243,7 +244,7 @@ def test_a_node_cannot_be_started_in_a_folder_that_is_deleted_and_a_command_can(
     assert out.splitlines() == [
         "FileNotFoundError node 'n': the working directory does not exist any more",
         "True ",
-        "-2",
+        "True",
     ]
 
 
