@@ -6,8 +6,6 @@ from typing import Any
 
 import pytest
 
-from rosbase.imu.changes import refusal
-from rosbase.imu.settings import READER_PARAMETERS
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.parameters import Parameter, SetParametersResult
 from support.reader_rig import Rig
@@ -78,7 +76,7 @@ def test_while_inactive_the_mapping_and_the_checks_count_at_once(rigs: Callable[
         (State.ACTIVE, "preset", "mpu6050", "set it while inactive or unconfigured"),
         (State.ACTIVE, "plausibility", "reject", "set it while inactive or unconfigured"),
         (State.ACTIVE, "magnetic_field_full_scale", 1.0, "set it while inactive or unconfig"),
-        (State.FINALIZED, "frame_id", "x", "cannot be set any more: the reader is finalized"),
+        (State.FINALIZED, "frame_id", "x", "cannot be set any more: the node is finalized"),
         (State.UNCONFIGURED, "autostart", "activate", "parameter autostart is read-only"),
     ],
 )
@@ -184,8 +182,3 @@ def test_a_subclass_may_refuse_what_the_reader_would_take(rigs: Callable[..., Ri
     assert put(rig, frame_id="left") == "not here"
     ((_, message),) = rig.send(GOOD_FRAME)
     assert message.header.frame_id == "imu_link"
-
-
-@pytest.mark.parametrize("spec", READER_PARAMETERS, ids=lambda spec: spec.name)
-def test_every_parameter_can_be_set_at_some_time_or_is_read_only(spec: Any) -> None:
-    assert spec.read_only or refusal([spec.name], State.UNCONFIGURED) == ""

@@ -11,7 +11,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter as RosParameter
 from rclpy.parameter_client import AsyncParameterClient
 
-from rosbase import Parameter, ParameterKind, ParameterSpec, SetParametersResult
+from rosbase import (
+    LifecycleNode,
+    Parameter,
+    ParameterKind,
+    ParameterSpec,
+    SetParametersResult,
+    State,
+)
 from rosbase_ros2.backend import Ros2Backend
 from support.ros import TIMEOUT_S, spin_until
 from support.waiting import wait_until
@@ -51,6 +58,11 @@ class Tool:
         future = self.client.set_parameters([RosParameter(name, kind, value)])
         self.executor.spin_until_future_complete(future, TIMEOUT_S)
         return future.result().results[0]
+
+    def constraints_of(self, name: str) -> str:
+        future = self.client.describe_parameters([name])
+        self.executor.spin_until_future_complete(future, TIMEOUT_S)
+        return str(future.result().descriptors[0].additional_constraints)
 
     def type_of(self, name: str) -> int:
         future = self.client.get_parameters([name])
@@ -168,3 +180,34 @@ def test_a_main_loop_that_does_not_come_to_it_is_a_refusal_and_nothing_is_set_la
         pass
     assert asked == []
     assert backend.get_parameter("frame_id").value == "imu_link"
+
+
+def test_a_parameter_says_in_which_state_it_may_change_and_keeps_to_it(
+    context: Any, backend: Ros2Backend
+) -> None:
+    node = LifecycleNode(backend=backend)
+    port = ParameterSpec("port", "a", choices=("a", "b"), change_time="unconfigured")
+    node.declare_parameter(port.name, port.default, port)
+    tool, answers = Tool(context), []
+    assert tool.constraints_of("port") == "one of a, b; set it while unconfigured"
+
+    def set_in(state: State, value: str) -> Any:
+        assert node.get_state() is state
+        thread = threading.Thread(
+            target=lambda: answers.append(tool.set("port", Type.STRING, value))
+        )
+        thread.start()
+        spin_until(backend, lambda: bool(answers))
+        thread.join()
+        return answers.pop()
+
+    assert set_in(State.UNCONFIGURED, "b").successful
+    node.trigger_configure()
+    refused = set_in(State.INACTIVE, "a")
+    assert not refused.successful
+    assert refused.reason == (
+        "parameter port takes effect at the next configure: set it while unconfigured"
+    )
+    assert set_in(State.INACTIVE, "b").successful
+    assert node.get_parameter("port").value == "b"
+    tool.close()

@@ -41,6 +41,11 @@ _TYPES = {
     ParameterKind.DOUBLE_ARRAY: RosParameter.Type.DOUBLE_ARRAY,
     ParameterKind.STRING_ARRAY: RosParameter.Type.STRING_ARRAY,
 }
+_WHEN = {
+    "always": "",
+    "inactive": "set it while inactive or unconfigured",
+    "unconfigured": "set it while unconfigured",
+}
 _HUGE = 1.7976931348623157e308
 _INT64 = 2**63
 
@@ -227,10 +232,15 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
+def _constraints(spec: ParameterSpec) -> str:
+    choices = f"one of {', '.join(spec.choices)}" if spec.choices else ""
+    return "; ".join(filter(None, (choices, _WHEN[spec.change_time])))
+
+
 def _descriptor(spec: ParameterSpec) -> Any:
     descriptor = ParameterDescriptor(
         description=spec.description,
-        additional_constraints=", ".join(spec.choices) and f"one of {', '.join(spec.choices)}",
+        additional_constraints=_constraints(spec),
         # A whole number is taken where a double is due; `check_value` decides about the rest.
         dynamic_typing=True,
         read_only=spec.read_only,

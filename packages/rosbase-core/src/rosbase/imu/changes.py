@@ -1,18 +1,18 @@
-"""Rules for when a parameter of the reader may be set, and when it takes effect."""
+"""When each parameter of the reader may change."""
 
-from collections.abc import Iterable
+from attrs import evolve
 
 from rosbase.imu.checks.parameters import CHECK_PARAMETERS
 from rosbase.imu.mapping import GROUPS, VECTORS
-from rosbase.lifecycle import State
+from rosbase.parameters import ChangeTime, ParameterSpec
 
-__all__ = ["refusal"]
+__all__ = ["with_change_time"]
 
 # Each sample is sent with them, and they change nothing in how it is read.
-_AT_ANY_TIME = frozenset({"frame_id", *(f"{group}_stddev" for group in GROUPS)})
+_ALWAYS = frozenset({"frame_id", *(f"{group}_stddev" for group in GROUPS)})
 
 # They make the path of a frame, which is made anew when no frame is on its way.
-_BETWEEN_RUNS = frozenset(
+_INACTIVE = frozenset(
     {
         "preset",
         *(spec.name for spec in CHECK_PARAMETERS),
@@ -22,23 +22,12 @@ _BETWEEN_RUNS = frozenset(
 _MAPPING = "mapping."
 
 
-def refusal(names: Iterable[str], state: State) -> str:
-    """Return why one of these parameters cannot be set now; empty if all can.
-
-    Args:
-        names: The names of parameters of the reader.
-        state: The state of the reader.
-    """
-    return next(filter(None, (_refusal(name, state) for name in names)), "")
+def with_change_time(spec: ParameterSpec) -> ParameterSpec:
+    """Return a parameter of the reader or of a transport, with when it may change."""
+    return evolve(spec, change_time=_change_time(spec.name))
 
 
-def _refusal(name: str, state: State) -> str:
-    if state is State.UNCONFIGURED or (name in _AT_ANY_TIME and state is not State.FINALIZED):
-        return ""
-    if state is State.FINALIZED:
-        return f"parameter {name} cannot be set any more: the reader is finalized"
-    if name not in _BETWEEN_RUNS and not name.startswith(_MAPPING):
-        return f"parameter {name} takes effect at the next configure: set it while unconfigured"
-    if state is State.INACTIVE:
-        return ""
-    return f"parameter {name} cannot be set while active: set it while inactive or unconfigured"
+def _change_time(name: str) -> ChangeTime:
+    if name in _ALWAYS:
+        return "always"
+    return "inactive" if name in _INACTIVE or name.startswith(_MAPPING) else "unconfigured"

@@ -8,7 +8,6 @@ from rosbase.contracts.backend import timer_period_ns
 from rosbase.contracts.parameter_store import refused
 from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
 from rosbase.errors import BackendError, ConfigurationError, TransportError
-from rosbase.imu.changes import refusal
 from rosbase.imu.counts import Counts, CountsSnapshot
 from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel
@@ -198,7 +197,7 @@ class ImuReader(LifecycleNode):
         self._release()
 
     def _judge_change(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
-        """Refuse invalid changes and those without effect; apply at once what can be applied."""
+        """Refuse invalid changes; apply at once what can be applied."""
         changed = {
             parameter.name: parameter.value
             for parameter in parameters
@@ -207,8 +206,11 @@ class ImuReader(LifecycleNode):
         state = self.get_state()
         if not changed:
             return SetParametersResult(successful=True)
-        if reason := self.describe_transition() or refusal(changed, state):
+        if reason := self.describe_transition():
             return refused(reason)
+        if state is State.FINALIZED:
+            name = next(iter(changed))
+            return refused(f"parameter {name} cannot be set any more: the node is finalized")
         try:
             settings = self._read_settings(changed)
             if state is State.UNCONFIGURED:

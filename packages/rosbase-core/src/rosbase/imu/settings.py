@@ -6,6 +6,7 @@ from typing import Any
 from attrs import evolve, frozen
 
 from rosbase.errors import NotInstalledError, ParameterError
+from rosbase.imu.changes import with_change_time
 from rosbase.imu.checks.parameters import (
     CHECK_PARAMETERS,
     checks_without_effect,
@@ -230,7 +231,7 @@ def reader_parameters(registry: PluginRegistry) -> list[ParameterSpec]:
     for name, transport in registry.transports.items():
         if name not in clashes:
             specs |= {spec.name: spec for spec in transport.parameters}
-    return list(specs.values())
+    return [with_change_time(spec) for spec in specs.values()]
 
 
 def read_settings(

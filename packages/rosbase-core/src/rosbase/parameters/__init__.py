@@ -2,6 +2,7 @@
 
 from rosbase.parameters.checking import check_value, did_you_mean
 from rosbase.parameters.kinds import (
+    ChangeTime,
     Parameter,
     ParameterKind,
     ParameterSpec,
@@ -17,6 +18,7 @@ from rosbase.parameters.written import (
 )
 
 __all__ = [
+    "ChangeTime",
     "Parameter",
     "ParameterKind",
     "ParameterSpec",

@@ -2,13 +2,14 @@
 
 import array
 from enum import Enum
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, Literal, TypeAlias, TypeVar, get_args
 
-from attrs import Factory, field, frozen
+from attrs import Factory, field, frozen, validators
 
 __all__ = [
     "ELEMENTS",
     "SCALARS",
+    "ChangeTime",
     "Parameter",
     "ParameterKind",
     "ParameterSpec",
@@ -20,6 +21,12 @@ ParameterValue: TypeAlias = (
     bool | int | float | str | list[bool] | list[int] | list[float] | list[str] | list[bytes]
 )
 """Value of a parameter. Bytes are a list of `bytes` of length 1, as in rclpy."""
+
+ChangeTime: TypeAlias = Literal["always", "inactive", "unconfigured"]
+"""When a parameter of a lifecycle node may change.
+
+`always`, or while the node is `inactive` or unconfigured, or only while it is `unconfigured`.
+"""
 
 ValueT_co = TypeVar("ValueT_co", bound=ParameterValue, covariant=True)
 
@@ -118,6 +125,10 @@ class ParameterSpec:
     """Maximum; for arrays, of each element."""
     read_only: bool = field(kw_only=True, default=False)
     """Whether the value cannot change after the declaration."""
+    change_time: ChangeTime = field(
+        kw_only=True, default="always", validator=validators.in_(get_args(ChangeTime))
+    )
+    """When the value may change. Only a lifecycle node can limit that."""
     general_name: str = field(kw_only=True, default="")
     """Name under which a value for every node is given from outside; empty if there is none.
 

@@ -1,13 +1,18 @@
 """A node with the managed lifecycle of ROS 2."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import wraps
 from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 from rosbase.contracts.backend import Publisher
+from rosbase.contracts.parameter_store import OnSetParameters, refused
 from rosbase.errors import TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
+from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
+from rosbase.roles.callables import check_callback
+from rosbase.roles.change_times import refusal
 from rosbase.roles.context import ManagerContext, must_call_base
 from rosbase.roles.node import BaseNode
 
@@ -17,6 +22,7 @@ Autostart: TypeAlias = Literal["none", "configure", "activate"]
 """How far a manager brings a lifecycle node up by itself."""
 
 MessageT = TypeVar("MessageT")
+ValueT = TypeVar("ValueT", bound=ParameterValue)
 MessageT_contra = TypeVar("MessageT_contra", contravariant=True)
 
 _TRANSITION_PATIENCE_S = 5.0
@@ -75,6 +81,8 @@ class LifecycleNode(BaseNode):
     def __init__(self, manager: ManagerContext | None = None, *args: Any, **kwargs: Any) -> None:
         """Start unconfigured. The arguments are those of `BaseNode`."""
         super().__init__(manager, *args, **kwargs)
+        # Parameters that may not always change, by name.
+        self._limited: dict[str, ParameterSpec] = {}
         self.last_error: BaseException | None = None
         """Reason of the last failure.
 
@@ -117,6 +125,28 @@ class LifecycleNode(BaseNode):
         return CallbackReturn.SUCCESS
 
     # What users call.
+
+    def declare_parameter(
+        self, name: str, value: ValueT, spec: ParameterSpec | None = None
+    ) -> Parameter[ValueT]:
+        """Declare a parameter as `BaseNode` does; its `change_time` limits when it may change."""
+        if spec is not None and spec.change_time != "always":
+            if not self._limited:
+                # Before it can be set.
+                super().add_on_set_parameters_callback(self._judge_times)
+            self._limited[spec.name] = spec
+        return super().declare_parameter(name, value, spec)
+
+    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
+        """Ask `callback(parameters)` as `BaseNode` does, unless one of them may not change now."""
+        check_callback(callback, "add_on_set_parameters_callback")
+
+        @wraps(callback)
+        def ask_in_time(parameters: list[Parameter[Any]]) -> Any:
+            judged = self._judge_times(parameters)
+            return callback(parameters) if judged.successful else judged
+
+        super().add_on_set_parameters_callback(ask_in_time)
 
     def get_state(self) -> State:
         """Return the current state of the lifecycle, also while a transition runs."""
@@ -264,6 +294,16 @@ class LifecycleNode(BaseNode):
         super().destroy_publisher(publisher)
 
     # How a lone node and a transition run.
+
+    def _judge_times(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
+        """Refuse the change of a parameter that may not change in the current state."""
+        for parameter in parameters:
+            spec = self._limited.get(parameter.name)
+            if spec is None or parameter.value == self.get_parameter(spec.name).value:
+                continue
+            if reason := self.describe_transition() or refusal(spec, self.get_state()):
+                return refused(reason)
+        return SetParametersResult(successful=True)
 
     def _repr_parts(self) -> list[str]:
         is_ready = hasattr(self, "_machine")

@@ -9,6 +9,7 @@ from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.errors import ParameterError
 from rosbase.parameters import (
     Parameter,
     ParameterSpec,
@@ -166,11 +167,16 @@ class BaseNode(Constructed, Component):
             spec: More about it, such as its range; its name and default are those above.
 
         Raises:
-            ParameterError: It exists already, or was set to an invalid value.
+            ParameterError: It exists already, or was set to an invalid value, or only a lifecycle
+                node can have it.
         """
-        return self._connection.declare_parameter(
-            self._as_given(spec or ParameterSpec(name, value))
-        )
+        spec = spec or ParameterSpec(name, value)
+        if spec.change_time != "always" and not self._is_lifecycle:
+            raise ParameterError(
+                f"parameter {spec.name} has change_time {spec.change_time!r}, which only a"
+                " lifecycle node can have"
+            )
+        return self._connection.declare_parameter(self._as_given(spec))
 
     def get_parameter(self, name: str) -> Parameter[Any]:
         """Return a declared parameter; its `value` is the current one.
