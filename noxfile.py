@@ -274,6 +274,8 @@ def signals(session: nox.Session) -> None:
 @nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
+    # The loop beside which `precise_loop` puts ours.
+    session.install("horus-robotics==0.4.1")
     _install(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
         if not session.posargs or benchmark.stem in session.posargs:

@@ -16,10 +16,10 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TypeVar
 
+from benchmarks.rig.turns import ratio, take_turns
 from rosbase import BaseHandlers, BaseManager, BaseNode
 from rosbase.contracts.backend import BackendOptions
 from rosbase.local import Bus, LocalBackend
@@ -98,7 +98,8 @@ class Pair(BaseNode):
     def __init__(self, backend: LocalBackend, callback: Callable[[Header], object]) -> None:
         super().__init__(backend=backend)
         self.publisher = self.create_publisher(Header, "topic")
-        self.create_subscription(Header, "topic", callback)
+        # All that may wait while the machine stalls.
+        self.create_subscription(Header, "topic", callback, HOPS)
 
 
 def message_call() -> float:
@@ -181,26 +182,6 @@ MESSAGE_ROWS = {
 }
 
 
-FigureT = TypeVar("FigureT")
-
-
-def take_turns(
-    measure: Callable[[str], FigureT], names: Iterable[str], turns: int = TURNS
-) -> dict[str, list[FigureT]]:
-    """What each row measured in each turn."""
-    rows: dict[str, list[FigureT]] = {name: [] for name in names}
-    for number in range(turns):
-        for name in rows if number % 2 else reversed(rows):
-            rows[name].append(measure(name))
-    return rows
-
-
-def of_first(rows: Mapping[str, Sequence[float]], name: str) -> float:
-    """The median of the turns' ratios to the first row."""
-    first = next(iter(rows.values()))
-    return statistics.median(a / b for a, b in zip(rows[name], first, strict=True))
-
-
 def message_turn(name: str) -> float:
     """One turn of a row, in a process of its own: a queue of one is no business of the next."""
     command = [sys.executable, __file__, name]
@@ -209,7 +190,7 @@ def message_turn(name: str) -> float:
 
 def main() -> None:
     """Prints the tables."""
-    cpu, period = take_turns(loop_cpu, LOOPS, CPU_TURNS), take_turns(loop_period, LOOPS)
+    cpu, period = take_turns(loop_cpu, LOOPS, CPU_TURNS), take_turns(loop_period, LOOPS, TURNS)
     p50s = {name: [p50 for p50, _, _ in turns] for name, turns in period.items()}
     print(
         f"{'':12}{f'us CPU/tick, {CPU_HZ} Hz':>22}{'of bare':>9}"
@@ -218,11 +199,11 @@ def main() -> None:
     for name in LOOPS:
         p50, p99, lost = (statistics.median(figures) for figures in zip(*period[name], strict=True))
         print(
-            f"{name:12}{statistics.median(cpu[name]):22.1f}{of_first(cpu, name):9.2f}"
-            f"{p50:24.1f}{of_first(p50s, name):9.2f}{p99:8.0f}{lost:6.0f}"
+            f"{name:12}{statistics.median(cpu[name]):22.1f}{ratio(cpu, name, 'bare loop'):9.2f}"
+            f"{p50:24.1f}{ratio(p50s, name, 'bare loop'):9.2f}{p99:8.0f}{lost:6.0f}"
         )
     print(f"\n{'':30}{'us CPU/message':>16}")
-    for name, figures in take_turns(message_turn, MESSAGE_ROWS).items():
+    for name, figures in take_turns(message_turn, MESSAGE_ROWS, TURNS).items():
         print(f"{name:30}{statistics.median(figures):16.2f}")
 
 

@@ -3,7 +3,7 @@
 import inspect
 import threading
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.errors import HandshakeTimeoutError
@@ -14,6 +14,7 @@ from rosbase.manager.building import build, lacks_its_base
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
+from rosbase.manager.precise_loop import run_precise_loop
 from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.processes import (
     ChildProcesses,
@@ -113,6 +114,7 @@ class BaseManager(Constructed):
         *args: Any,
         backend: str | Backend | None = None,
         handshake_timeout: float | None = None,
+        timing: Literal["normal", "precise"] = "normal",
         main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
@@ -131,13 +133,16 @@ class BaseManager(Constructed):
             backend: By name or ready made; by default what `ROSBASE_BACKEND` says, else `local`.
             handshake_timeout: Seconds after which a handshake that does not succeed is an error;
                 by default never, and a minute in virtual time.
+            timing: With `precise`, the loop spins for the last 100 us or so before each tick, which
+                costs processor time. In virtual time, both are exact.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
 
         Raises:
             TypeError: An instance is given instead of a class, or a method that rosbase calls
                 is async or a generator.
-            ValueError: The rate or the timeout is not a positive number.
+            ValueError: The rate or the timeout is not a positive number, or there is no such
+                timing.
             NotInstalledError: No backend of that name can be used.
         """
         check_methods(self, _PLAIN_METHODS)
@@ -147,7 +152,7 @@ class BaseManager(Constructed):
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
         self.logger = open_logger(self.backend, node_name, custom_logger)
         self._registration = Registration(node_name, custom_logger is not None)
-        self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout)
+        self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
     if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
@@ -198,11 +203,14 @@ class BaseManager(Constructed):
         start_state: str | None,
         log_freq: bool,
         handshake_timeout: float | None,
+        timing: str,
     ) -> None:
         """Set the attributes that components use while they are built."""
         Rate(node_freq_hz, 0)
         if handshake_timeout is not None and not _is_duration(handshake_timeout):
             raise ValueError(f"handshake_timeout is a number of seconds, not {handshake_timeout!r}")
+        if timing not in tuple(_TIMINGS):
+            raise ValueError(f"timing is 'normal' or 'precise', not {timing!r}")
         self.node_freq_hz = node_freq_hz
         self.state = start_state
         self.timestamp = 0
@@ -211,6 +219,8 @@ class BaseManager(Constructed):
         self._handshake = Handshake(self.logger)
         self._handshake_timeout_s = handshake_timeout
         self._log_freq = log_freq
+        # A virtual clock stands still while somebody spins, and needs no spinning.
+        self._run_loop = _TIMINGS["normal" if self.backend.is_in_virtual_time else timing]
         self._frequency_mark: tuple[int, int] | None = None
         self._processes: ChildProcesses | None = None
         self._stop_requests: list[bool] = []
@@ -363,7 +373,7 @@ class BaseManager(Constructed):
             bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
             self._name_undeclared()
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
-            run_main_loop(
+            self._run_loop(
                 self.backend.executor,
                 self.node_freq_hz,
                 self.main_loop,
@@ -504,6 +514,7 @@ class BaseManager(Constructed):
         )
 
 
+_TIMINGS = {"normal": run_main_loop, "precise": run_precise_loop}
 _SET_BY_CONSTRUCTOR = {
     *BaseManager.__annotations__,
     *("_has_started", "_handshake", "_processes", "_stop_requests"),
