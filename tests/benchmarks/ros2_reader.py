@@ -30,7 +30,7 @@ PACED_S = 4.0
 SLOW_HZ, FAST_HZ = 100, 1000
 # Of the naive reader as many as it reads in about as long.
 FLOOD_LINES = {"naive": 2_000, "careful": 40_000, "rosbase": 40_000}
-WARM_UP = -1.0
+WARM_UP = -1
 PATIENCE_S = 60.0
 
 COMMANDS = {
@@ -54,12 +54,12 @@ class Turn:
     lost: int
 
 
-def line_of(number: float) -> bytes:
-    """A payload of the usual length that says which one it is."""
+def line_of(number: int) -> bytes:
+    """A payload of the usual length that says which one it is, in plausible thousandths."""
     return (
         '{"header":{"stamp":{"sec":1700000000,"nanosec":123456789},"frame_id":"imu_link"},'
         '"orientation":{"x":0.0,"y":0.0,"z":0.38268343,"w":0.92387953},'
-        f'"angular_velocity":{{"x":{number:.1f},"y":-0.020000,"z":0.300000}},'
+        f'"angular_velocity":{{"x":{number / 1000:.3f},"y":-0.020000,"z":0.300000}},'
         '"linear_acceleration":{"x":0.100000,"y":-0.200000,"z":9.806650}}\r\n'
     ).encode()
 
@@ -79,14 +79,14 @@ class Subscriber:
         """How many samples have arrived, those of the warm-up too."""
         return int(self._ask("count"))
 
-    def arrivals(self) -> dict[float, int]:
+    def arrivals(self) -> dict[int, int]:
         """When each sample arrived, by its number. It ends the process."""
         assert self._process.stdout is not None
-        found: dict[float, int] = {}
+        found: dict[int, int] = {}
         line = self._ask("end")
         while line != "end\n":
             number, arrival_ns = line.split()
-            found[float(number)] = int(arrival_ns)
+            found[round(float(number) * 1000)] = int(arrival_ns)
             line = self._process.stdout.readline()
         self._process.wait(PATIENCE_S)
         found.pop(WARM_UP, None)
@@ -179,7 +179,7 @@ def await_all(subscriber: Subscriber, count: int) -> None:
             seen, since_s = now, time.monotonic()
 
 
-def evaluate(arrivals: Mapping[float, int], sent_ns: Sequence[int], cpu: int) -> Turn:
+def evaluate(arrivals: Mapping[int, int], sent_ns: Sequence[int], cpu: int) -> Turn:
     """The figures of a turn."""
     late = sorted(
         (arrivals[number] - sent) / 1e6 for number, sent in enumerate(sent_ns) if number in arrivals
