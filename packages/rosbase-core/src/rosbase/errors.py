@@ -33,6 +33,7 @@ __all__ = [
     "RosbaseError",
     "TransitionNotAvailableError",
     "TransportError",
+    "WireError",
 ]
 
 
@@ -97,6 +98,10 @@ class TransitionNotAvailableError(RosbaseError):
 
 class HandshakeTimeoutError(RosbaseError):
     """Handshake rules did not come true in time; the message names them."""
+
+
+class WireError(RosbaseError):
+    """Bytes are no message of that type: cut short, garbled, or of another type."""
 
 
 class PluginError(RosbaseError):

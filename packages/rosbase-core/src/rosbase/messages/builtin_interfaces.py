@@ -1,0 +1,160 @@
+"""Time and duration, as the ROS package builtin_interfaces has them; both can be computed with."""
+
+from typing import Any
+
+from attrs import frozen
+
+from rosbase.messages import fields as ros
+from rosbase.messages.fields import message
+
+__all__ = ["STAMPS_END_NS", "Duration", "Time", "is_stamp"]
+
+_NS_PER_S = 1_000_000_000
+
+STAMPS_END_NS = 2**31 * _NS_PER_S
+"""End of ROS stamps, in nanoseconds since the Unix epoch: 2038-01-19 03:14:08 UTC.
+
+The seconds of builtin_interfaces/Time are an int32.
+"""
+
+
+def is_stamp(nanoseconds: int) -> bool:
+    """Return whether a ROS stamp can carry a time, in nanoseconds since the Unix epoch.
+
+    rcl and DDS take no time before 1970, although an int32 has room for it, and zero means that
+    there is no time yet.
+    """
+    return 0 < nanoseconds < STAMPS_END_NS
+
+
+def _nanoseconds_of(value: Any, name: str) -> int | None:
+    """Return the nanoseconds of a time or a duration, rclpy's too; None if it is no such thing."""
+    if type(value).__name__ != name:
+        return None
+    own = getattr(value, "nanoseconds", None)
+    if isinstance(own, int):
+        return own
+    sec, nanosec = getattr(value, "sec", None), getattr(value, "nanosec", None)
+    if isinstance(sec, int) and isinstance(nanosec, int):
+        return sec * _NS_PER_S + nanosec
+    return None
+
+
+@message("builtin_interfaces/msg/Duration")
+@frozen(order=False)
+class Duration:
+    """Length of time, which may be negative, as builtin_interfaces/Duration has it."""
+
+    sec: ros.Int32 = 0
+    """Whole seconds, rounded down."""
+    nanosec: ros.UInt32 = 0
+    """Nanoseconds to be added, 0 to 999,999,999."""
+
+    @classmethod
+    def from_nanoseconds(cls, nanoseconds: int) -> "Duration":
+        """Return the duration of that many nanoseconds."""
+        return cls(*divmod(nanoseconds, _NS_PER_S))
+
+    @property
+    def nanoseconds(self) -> int:
+        """Length in nanoseconds."""
+        return self.sec * _NS_PER_S + self.nanosec
+
+    def to_msg(self) -> "Duration":
+        """Return the object itself: programs for rclpy's durations call this method."""
+        return self
+
+    def __add__(self, other: "Duration") -> "Duration":
+        length = _nanoseconds_of(other, "Duration")
+        if length is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(self.nanoseconds + length)
+
+    def __sub__(self, other: "Duration") -> "Duration":
+        length = _nanoseconds_of(other, "Duration")
+        if length is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(self.nanoseconds - length)
+
+    def __neg__(self) -> "Duration":
+        return Duration.from_nanoseconds(-self.nanoseconds)
+
+    def __lt__(self, other: "Duration") -> bool:
+        length = _nanoseconds_of(other, "Duration")
+        return NotImplemented if length is None else self.nanoseconds < length
+
+    def __le__(self, other: "Duration") -> bool:
+        length = _nanoseconds_of(other, "Duration")
+        return NotImplemented if length is None else self.nanoseconds <= length
+
+    def __gt__(self, other: "Duration") -> bool:
+        length = _nanoseconds_of(other, "Duration")
+        return NotImplemented if length is None else self.nanoseconds > length
+
+    def __ge__(self, other: "Duration") -> bool:
+        length = _nanoseconds_of(other, "Duration")
+        return NotImplemented if length is None else self.nanoseconds >= length
+
+
+@message("builtin_interfaces/msg/Time")
+@frozen(order=False)
+class Time:
+    """Point in time since the Unix epoch, as builtin_interfaces/Time has it."""
+
+    sec: ros.Int32 = 0
+    """Whole seconds."""
+    nanosec: ros.UInt32 = 0
+    """Nanoseconds within the second, 0 to 999,999,999."""
+
+    @classmethod
+    def from_nanoseconds(cls, nanoseconds: int) -> "Time":
+        """Return the time that many nanoseconds after the epoch."""
+        return cls(*divmod(nanoseconds, _NS_PER_S))
+
+    @classmethod
+    def as_stamp(cls, nanoseconds: int) -> "Time":
+        """Return that time as a stamp: zero if ROS cannot carry it (see `is_stamp`)."""
+        return cls(*divmod(nanoseconds, _NS_PER_S)) if is_stamp(nanoseconds) else cls()
+
+    @property
+    def nanoseconds(self) -> int:
+        """Nanoseconds since the epoch."""
+        return self.sec * _NS_PER_S + self.nanosec
+
+    def to_msg(self) -> "Time":
+        """Return the object itself: programs for rclpy's clock call this method."""
+        return self
+
+    def __add__(self, other: Duration) -> "Time":
+        length = _nanoseconds_of(other, "Duration")
+        if length is None:
+            return NotImplemented
+        return Time.from_nanoseconds(self.nanoseconds + length)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        """Return the duration since another time, or the time before a duration."""
+        since = _nanoseconds_of(other, "Time")
+        if since is not None:
+            return Duration.from_nanoseconds(self.nanoseconds - since)
+        length = _nanoseconds_of(other, "Duration")
+        if length is None:
+            return NotImplemented
+        return Time.from_nanoseconds(self.nanoseconds - length)
+
+    def __lt__(self, other: "Time") -> bool:
+        when = _nanoseconds_of(other, "Time")
+        return NotImplemented if when is None else self.nanoseconds < when
+
+    def __le__(self, other: "Time") -> bool:
+        when = _nanoseconds_of(other, "Time")
+        return NotImplemented if when is None else self.nanoseconds <= when
+
+    def __gt__(self, other: "Time") -> bool:
+        when = _nanoseconds_of(other, "Time")
+        return NotImplemented if when is None else self.nanoseconds > when
+
+    def __ge__(self, other: "Time") -> bool:
+        when = _nanoseconds_of(other, "Time")
+        return NotImplemented if when is None else self.nanoseconds >= when

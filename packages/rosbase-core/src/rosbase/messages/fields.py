@@ -1,0 +1,244 @@
+"""How a class says which ROS message it is, and how wide its fields are.
+
+A message is a frozen attrs class or a frozen dataclass with the decorator `message`. The
+annotations of its fields name the ROS types. Without a width, `float` is float64, `str` is
+string and `bool` is bool; a tuple is a sequence, and a message class is a nested message.
+"""
+
+from array import array
+from collections.abc import Callable
+from enum import Enum
+from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
+
+from attrs import Attribute, field, frozen
+
+__all__ = [
+    "AtMost",
+    "Buffer",
+    "Byte",
+    "Char",
+    "Fixed",
+    "Float32",
+    "Float64",
+    "Int8",
+    "Int16",
+    "Int32",
+    "Int64",
+    "Numbers",
+    "UInt8",
+    "UInt16",
+    "UInt32",
+    "UInt64",
+    "WString",
+    "Width",
+    "fixed",
+    "message",
+    "numbers",
+    "ros_type",
+]
+
+ClassT = TypeVar("ClassT", bound=type)
+
+_ROS_TYPE = "__ros_type__"
+
+
+class Width(Enum):
+    """A primitive type of ROS; the value is its name in a .msg file."""
+
+    BOOL = "bool"
+    BYTE = "byte"
+    CHAR = "char"
+    FLOAT32 = "float32"
+    FLOAT64 = "float64"
+    INT8 = "int8"
+    INT16 = "int16"
+    INT32 = "int32"
+    INT64 = "int64"
+    UINT8 = "uint8"
+    UINT16 = "uint16"
+    UINT32 = "uint32"
+    UINT64 = "uint64"
+    STRING = "string"
+    WSTRING = "wstring"
+
+
+TYPECODES = {
+    Width.BOOL: "?",
+    Width.BYTE: "B",
+    Width.CHAR: "B",
+    Width.FLOAT32: "f",
+    Width.FLOAT64: "d",
+    Width.INT8: "b",
+    Width.INT16: "h",
+    Width.INT32: "i",
+    Width.INT64: "q",
+    Width.UINT8: "B",
+    Width.UINT16: "H",
+    Width.UINT32: "I",
+    Width.UINT64: "Q",
+}
+"""Code of each number in `struct`, `array` and `memoryview`."""
+
+_SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
+
+
+@frozen
+class Fixed:
+    """An array of that many elements; in the annotation of a tuple or a buffer."""
+
+    size: int
+
+
+@frozen
+class AtMost:
+    """A sequence or a text of at most that many elements or bytes."""
+
+    size: int
+
+
+@frozen
+class Numbers:
+    """A buffer of numbers of that width."""
+
+    width: Width
+
+
+class NumpyArray(Protocol):
+    """What is used of a numpy array, which needs not be installed."""
+
+    @property
+    def dtype(self) -> Any:
+        """The type of its elements."""
+        ...
+
+    @property
+    def flags(self) -> Any:
+        """Whether it can be written to."""
+        ...
+
+    def tobytes(self) -> bytes:
+        """Return a copy of its data."""
+        ...
+
+
+Buffer: TypeAlias = bytes | memoryview | NumpyArray | tuple[Any, ...]
+"""Many numbers that nobody copies.
+
+They are bytes, a read-only memoryview, a read-only numpy array, or, for few numbers, a tuple.
+"""
+
+Byte: TypeAlias = Annotated[int, Width.BYTE]
+Char: TypeAlias = Annotated[int, Width.CHAR]
+Float32: TypeAlias = Annotated[float, Width.FLOAT32]
+Float64: TypeAlias = Annotated[float, Width.FLOAT64]
+Int8: TypeAlias = Annotated[int, Width.INT8]
+Int16: TypeAlias = Annotated[int, Width.INT16]
+Int32: TypeAlias = Annotated[int, Width.INT32]
+Int64: TypeAlias = Annotated[int, Width.INT64]
+UInt8: TypeAlias = Annotated[int, Width.UINT8]
+UInt16: TypeAlias = Annotated[int, Width.UINT16]
+UInt32: TypeAlias = Annotated[int, Width.UINT32]
+UInt64: TypeAlias = Annotated[int, Width.UINT64]
+WString: TypeAlias = Annotated[str, Width.WSTRING]
+
+
+def message(name: str) -> Callable[[ClassT], ClassT]:
+    """Return a decorator that declares a frozen class to be the ROS message of that name.
+
+    Args:
+        name: Its package, kind and name, such as `sensor_msgs/msg/Imu`.
+
+    Raises:
+        ValueError: The name has another form.
+        TypeError: An instance of the class can be changed.
+    """
+    package, _, rest = name.partition("/")
+    kind, _, own = rest.partition("/")
+    if not (package.isidentifier() and kind in ("msg", "srv", "action") and own.isidentifier()):
+        raise ValueError(f"a message is named like sensor_msgs/msg/Imu, not {name!r}")
+
+    def declare(cls: ClassT) -> ClassT:
+        if not _is_frozen(cls):
+            raise TypeError(
+                f"{cls.__name__} can be changed after it was published; make it a frozen attrs"
+                " class or a frozen dataclass, below this decorator"
+            )
+        setattr(cls, _ROS_TYPE, name)
+        return cls
+
+    return declare
+
+
+def ros_type(cls: Any) -> str | None:
+    """Return the ROS name of a message class; None if it has none."""
+    return vars(cls).get(_ROS_TYPE) if isinstance(cls, type) else None
+
+
+def _is_frozen(cls: type) -> bool:
+    options = getattr(cls, "__dataclass_params__", None)
+    if options is not None:
+        return bool(options.frozen)
+    return "__attrs_attrs__" in vars(cls) and cls.__setattr__ is not object.__setattr__
+
+
+def fixed(size: int, value: Any = 0.0) -> Any:
+    """Return a field of exactly `size` elements, all `value` by default."""
+
+    def check(instance: object, attribute: "Attribute[Any]", given: Any) -> None:
+        if len(given) != size:
+            raise ValueError(f"{attribute.name} takes {size} elements, not {len(given)}")
+
+    return field(default=(value,) * size, validator=check)
+
+
+def numbers(width: Width, size: int | None = None) -> Any:
+    """Return a field for a buffer of numbers of that width: any number of them, or `size`.
+
+    A buffer that can be changed is refused, because a subscriber gets the same one.
+    """
+    typecode = TYPECODES[width]
+    allowed = _SAME_SIZE.get(typecode, typecode)
+
+    def check(instance: object, attribute: "Attribute[Any]", given: Any) -> None:
+        reason = _fault(given, allowed)
+        if not reason and size is not None and len(given) != size:
+            reason = f"takes {size} elements, not {len(given)}"
+        if reason:
+            raise (ValueError if "elements" in reason else TypeError)(f"{attribute.name} {reason}")
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, tuple):
+            value = array(typecode, value)
+        return memoryview(value).cast("B").tobytes()
+
+    empty: Any = b"" if typecode == "B" else ()
+    default = empty if size is None else (0,) * size
+    return field(default=default, validator=check, eq=plain, repr=_shown)
+
+
+def _fault(value: Any, allowed: str) -> str:
+    """Return why a value cannot be a buffer of numbers; empty if it can."""
+    if isinstance(value, (tuple, bytes)):
+        is_wrong = isinstance(value, bytes) and "B" not in allowed
+        return "takes numbers of another width than bytes have" if is_wrong else ""
+    try:
+        view = memoryview(value)
+    except TypeError:
+        return f"takes a tuple or a read-only buffer, not {type(value).__name__}"
+    if not view.readonly:
+        return (
+            "takes a buffer that nobody can change: use bytes(...), memoryview(...).toreadonly(),"
+            " or array.setflags(write=False) of numpy"
+        )
+    if not view.c_contiguous:
+        return "takes a contiguous buffer: use numpy.ascontiguousarray(...)"
+    if view.format.lstrip("<=@") not in allowed:
+        return f"takes numbers of the format {allowed[-1]!r}, not {view.format!r}"
+    return ""
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple) and len(value) <= 16:
+        return repr(value)
+    count = len(value)
+    return repr(value) if isinstance(value, bytes) and count <= 64 else f"<{count} elements>"

@@ -1,0 +1,120 @@
+"""Writing and reading the parts of a message whose length varies: texts and lists of numbers."""
+
+import struct
+import sys
+from array import array
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rosbase.errors import WireError
+
+__all__ = [
+    "UnusualError",
+    "packed",
+    "put_texts",
+    "read_numbers",
+    "read_text",
+    "read_view",
+    "read_wide_text",
+    "text_of",
+    "wide_text_of",
+]
+
+_SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
+_TYPES = {"f": float, "d": float, "?": bool}
+_PADDING = (b"", b"\0", b"\0\0", b"\0\0\0")
+_length = struct.Struct("<I")
+
+
+class UnusualError(Exception):
+    """The fast writer does not take this value, which may be right nevertheless."""
+
+
+def text_of(text: Any, limit: int) -> bytes:
+    """Return a text with the NUL that ends it."""
+    data: bytes = text.encode()
+    if 0 in data or (limit and len(data) > limit):
+        raise UnusualError
+    return data + b"\0"
+
+
+def wide_text_of(text: Any, limit: int) -> bytes:
+    """Return a text as UTF-16, as Fast DDS sends a wstring."""
+    data: bytes = text.encode("utf-16-le")
+    if "\0" in text or (limit and len(data) > 2 * limit):
+        raise UnusualError
+    return data
+
+
+def put_texts(texts: Any, put: Callable[[bytes], object], pos: int, limit: int) -> int:
+    """Put texts one behind the other; return where they end."""
+    if isinstance(texts, str):
+        raise UnusualError
+    for text in texts:
+        padding = -pos & 3
+        data = text_of(text, limit)
+        put(_PADDING[padding] + _length.pack(len(data)) + data)
+        pos += padding + 4 + len(data)
+    return pos
+
+
+def packed(values: Any, code: str) -> tuple[Any, int]:
+    """Return a list of numbers as bytes or a view of them, and how many numbers it has."""
+    if type(values) is tuple or type(values) is list:
+        wanted = _TYPES.get(code, int)
+        if not frozenset((wanted,)).issuperset(map(type, values)):
+            raise UnusualError
+        if code in "B?":
+            return bytes(values), len(values)
+        if code == "f":
+            # An array would silently make a number infinite that is too large.
+            return struct.pack(f"<{len(values)}f", *values), len(values)
+        return array(code, values).tobytes(), len(values)
+    if type(values) is bytes and code == "B":
+        return values, len(values)
+    view = memoryview(values)
+    if view.format.lstrip("<=@") not in _SAME_SIZE.get(code, code) or not view.c_contiguous:
+        raise UnusualError
+    return view.cast("B"), view.nbytes // view.itemsize
+
+
+def read_text(data: memoryview, pos: int, size: int) -> str:
+    """Return the text of that many bytes, the last of which is NUL."""
+    if size == 0:
+        return ""
+    end = pos + size
+    if end > len(data) or data[end - 1] != 0:
+        raise WireError("a text is cut short, or its length is garbled")
+    return str(data[pos : end - 1], "utf-8")
+
+
+def read_wide_text(data: memoryview, pos: int, size: int, order: str) -> str:
+    """Return the text of that many UTF-16 units."""
+    if pos + 2 * size > len(data):
+        raise WireError("a text is cut short, or its length is garbled")
+    return str(data[pos : pos + 2 * size], "utf-16-le" if order == "<" else "utf-16-be")
+
+
+def read_numbers(data: memoryview, pos: int, count: int, code: str, order: str) -> Sequence[Any]:
+    """Return that many numbers as a tuple."""
+    form = f"{order}{count}{code}"
+    # Compared before anything is allocated: the count may be anything.
+    if struct.calcsize(f"={code}") * count > len(data) - pos:
+        raise WireError(f"{count} elements are announced, and the message ends before")
+    return struct.unpack_from(form, data, pos)
+
+
+def read_view(data: memoryview, pos: int, count: int, code: str, order: str) -> memoryview:
+    """Return that many numbers as a view of the message."""
+    size = struct.calcsize(f"={code}")
+    if size * count > len(data) - pos:
+        raise WireError(f"{count} elements are announced, and the message ends before")
+    view = data[pos : pos + size * count]
+    if size == 1:
+        return view if code == "B" else view.cast(code)
+    if (order == "<") is (sys.byteorder == "little"):
+        return view.cast(code)
+    swapped = array("B", view.tobytes())
+    numbers = array(code, swapped.tobytes())
+    numbers.byteswap()
+    return memoryview(numbers.tobytes()).cast(code)

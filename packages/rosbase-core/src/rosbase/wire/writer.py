@@ -1,0 +1,195 @@
+"""From a message to CDR, by a function that is compiled once for its class.
+
+The fast function handles the usual case, and only notices unusual values. `checking` alone decides
+what is wrong with them.
+"""
+
+import functools
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from rosbase.messages.fields import TYPECODES, Width
+from rosbase.wire.cdr import HEADER, SIZES, Run
+from rosbase.wire.checking import made_usual
+from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.pieces import UnusualError, packed, put_texts, text_of, wide_text_of
+from rosbase.wire.source import Source
+
+__all__ = ["writer"]
+
+_UNUSUAL = (
+    UnusualError,
+    AttributeError,
+    OverflowError,
+    TypeError,
+    UnicodeEncodeError,
+    ValueError,
+    struct.error,
+)
+_PYTHON_TYPES = {"f": float, "d": float, "?": bool}
+_PADDING = tuple(bytes(count) for count in range(8))
+
+
+@functools.cache
+def writer(cls: type) -> Callable[[Any], bytes]:
+    """Return the function that writes messages of a class as `rclpy.serialization` does.
+
+    It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of its
+    field; the text names the field.
+
+    Raises:
+        TypeError: The class is no message.
+    """
+    own = describe(cls)
+    put_message = _putter(own)
+
+    def write(message: Any) -> bytes:
+        parts = [HEADER]
+        try:
+            put_message(message, parts.append, 0)
+        except _UNUSUAL:
+            parts = [HEADER]
+            put_message(made_usual(message, own, cls.__name__), parts.append, 0)
+        return b"".join(parts)
+
+    return write
+
+
+@functools.cache
+def _putter(of: MessageType) -> Callable[[Any, Callable[[bytes], object], int], int]:
+    """Return the function that puts a message behind others, and returns where it ends."""
+    source = Source("put_message(message, put, pos)")
+    body = _Body(source)
+    body.put_fields(of, "message")
+    if not of.fields:
+        body.add_number("0", "B", int)
+    body.end_run()
+    source.line("return pos")
+    return source.compile()
+
+
+class _Body:
+    """The lines that put the fields of a message, run by run."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._codes: list[str] = []
+        self._values: list[str] = []
+        self._types: list[type] = []
+
+    def put_fields(self, of: MessageType, message: str) -> None:
+        """Add the fields of a message that is in a variable of that name."""
+        for one in of.fields:
+            value = f"{message}.{one.name}"
+            if one.kind is Kind.ONE:
+                self._put_one(one, value)
+            elif one.kind is Kind.ARRAY and _is_number(one) and not one.is_buffer:
+                self._put_array(one, value)
+            else:
+                self._put_many(one, value)
+
+    def add_number(self, value: str, code: str, python_type: type) -> None:
+        """Add a number to the run."""
+        self._codes.append(code)
+        self._values.append(value)
+        self._types.append(python_type)
+
+    def end_run(self) -> None:
+        """Put the numbers of the run."""
+        if not self._codes:
+            return
+        source = self._source
+        layouts = source.name_of(tuple(Run("".join(self._codes)).layouts()), "layouts")
+        types = source.name_of(tuple(self._types), "types")
+        unusual = source.name_of(UnusualError, "Unusual")
+        source.line(f"values = ({', '.join(self._values)},)")
+        # struct would take a bool for a number, and anything for a bool.
+        with source.block(f"if tuple(map(type, values)) != {types}:"):
+            source.line(f"raise {unusual}")
+        source.line(f"layout = {layouts}[pos & 7]")
+        source.line("put(layout.pack(*values))")
+        source.line("pos += layout.size")
+        self._codes, self._values, self._types = [], [], []
+
+    def _put_one(self, one: Field, value: str) -> None:
+        source = self._source
+        if isinstance(one.element, MessageType):
+            if one.element.fields:
+                part = source.new("part")
+                source.line(f"{part} = {value}")
+                self.put_fields(one.element, part)
+            else:
+                self.add_number("0", "B", int)
+        elif one.element is Width.STRING:
+            text = source.new("text")
+            encode = source.name_of(text_of, "text_of")
+            source.line(f"{text} = {encode}({value}, {one.text_limit})")
+            self._put_bytes(text, f"len({text})")
+        elif one.element is Width.WSTRING:
+            text = source.new("text")
+            encode = source.name_of(wide_text_of, "wide_text_of")
+            source.line(f"{text} = {encode}({value}, {one.text_limit})")
+            self._put_bytes(text, f"len({text}) // 2")
+        else:
+            code = TYPECODES[one.element]
+            self.add_number(value, code, _PYTHON_TYPES.get(code, int))
+
+    def _put_bytes(self, data: str, count: str) -> None:
+        self.add_number(count, "I", int)
+        self.end_run()
+        self._source.line(f"put({data})")
+        self._source.line(f"pos += len({data})")
+
+    def _put_array(self, one: Field, value: str) -> None:
+        assert isinstance(one.element, Width)
+        code = TYPECODES[one.element]
+        self._codes.append(code * one.size)
+        self._values.append(f"*{value}")
+        self._types += [_PYTHON_TYPES.get(code, int)] * one.size
+
+    def _put_many(self, one: Field, value: str) -> None:
+        source = self._source
+        many = source.new("many")
+        unusual = source.name_of(UnusualError, "Unusual")
+        if _is_number(one):
+            assert isinstance(one.element, Width)
+            pack = source.name_of(packed, "packed")
+            count = source.new("count")
+            source.line(f"{many}, {count} = {pack}({value}, {TYPECODES[one.element]!r})")
+        else:
+            count = f"len({many})"
+            source.line(f"{many} = {value}")
+        if one.size:
+            sign = "!=" if one.kind is Kind.ARRAY else ">"
+            with source.block(f"if {count} {sign} {one.size}:"):
+                source.line(f"raise {unusual}")
+        if one.kind is Kind.SEQUENCE:
+            self.add_number(count, "I", int)
+        self.end_run()
+        self._put_elements(one, many)
+
+    def _put_elements(self, one: Field, many: str) -> None:
+        source = self._source
+        if isinstance(one.element, MessageType):
+            put_element = source.name_of(_putter(one.element), "put_element")
+            with source.block(f"for element in {many}:"):
+                source.line(f"pos = {put_element}(element, put, pos)")
+        elif one.element is Width.STRING:
+            put_all = source.name_of(put_texts, "put_texts")
+            source.line(f"pos = {put_all}({many}, put, pos, {one.text_limit})")
+        elif one.element is Width.WSTRING:
+            raise TypeError(f"{one.name}: a sequence of wide texts cannot be sent")
+        else:
+            padding = source.name_of(_PADDING, "padding")
+            size = SIZES[one.element]
+            with source.block(f"if {many}:" if one.kind is Kind.ARRAY else f"if len({many}):"):
+                if size > 1:
+                    source.line(f"put({padding}[-pos & {size - 1}])")
+                    source.line(f"pos += -pos & {size - 1}")
+                source.line(f"put({many})")
+                source.line(f"pos += len({many})")
+
+
+def _is_number(one: Field) -> bool:
+    return isinstance(one.element, Width) and one.element in TYPECODES
