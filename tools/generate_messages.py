@@ -205,7 +205,7 @@ class Module:
         whole = f"Annotated[tuple[{annotation}, ...], ros.Fixed({size})]"
         return (
             whole,
-            f"ros.fixed({size}{'' if value == 0.0 and isinstance(value, float) else f', {value!r}'})",
+            f"ros.fixed({size})" if repr(value) == "0.0" else f"ros.fixed({size}, {value!r})",
         )
 
     def _sequence(
@@ -257,11 +257,11 @@ def root(modules: dict[str, Module]) -> str:
     lines = [
         '"""Messages, with the names, units and conventions of ROS 2, and without ROS.',
         "",
-        "Messages are immutable: every subscriber gets the same object, on any thread, without a copy. To",
-        "change one, use `attrs.evolve(message, ...)`.",
+        "Messages are immutable: every subscriber gets the same object, on any thread, without a",
+        "copy. To change one, use `attrs.evolve(message, ...)`.",
         "",
-        "Each ROS package has a module of its name, such as `rosbase.messages.sensor_msgs`. The messages",
-        "that robots send are here too. A module is imported only when it is used.",
+        "Each ROS package has a module of its name, such as `rosbase.messages.sensor_msgs`. The",
+        "messages that robots send are here too. A module is imported only when it is used.",
         "",
         NOTE.replace("the ROS package of that name", "ROS packages"),
         '"""',

@@ -178,7 +178,8 @@ def _is_frozen(cls: type) -> bool:
     options = getattr(cls, "__dataclass_params__", None)
     if options is not None:
         return bool(options.frozen)
-    return "__attrs_attrs__" in vars(cls) and cls.__setattr__ is not object.__setattr__
+    setter: Any = cls.__setattr__
+    return "__attrs_attrs__" in vars(cls) and setter is not object.__setattr__
 
 
 def fixed(size: int, value: Any = 0.0) -> Any:

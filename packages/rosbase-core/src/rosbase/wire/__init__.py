@@ -22,7 +22,8 @@ def serialize(message: Any) -> bytes:
         TypeError: It is no message, or a field has a value of the wrong kind; the text names it.
         ValueError: A value is out of the range of its field; the text names it.
     """
-    return writer(type(message))(message)
+    kind: Any = type(message)
+    return writer(kind)(message)
 
 
 def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
@@ -32,5 +33,6 @@ def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
         TypeError: The class is no message.
         WireError: The bytes are no such message.
     """
-    message: MessageT = reader(message_type)(data)
+    kind: Any = message_type
+    message: MessageT = reader(kind)(data)
     return message

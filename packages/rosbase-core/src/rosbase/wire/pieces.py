@@ -104,17 +104,18 @@ def read_numbers(data: memoryview, pos: int, count: int, code: str, order: str) 
     return struct.unpack_from(form, data, pos)
 
 
-def read_view(data: memoryview, pos: int, count: int, code: str, order: str) -> memoryview:
+def read_view(data: memoryview, pos: int, count: int, code: str, order: str) -> Any:
     """Return that many numbers as a view of the message."""
     size = struct.calcsize(f"={code}")
     if size * count > len(data) - pos:
         raise WireError(f"{count} elements are announced, and the message ends before")
-    view = data[pos : pos + size * count]
+    # Typed loosely: typeshed wants the code as a literal.
+    view: Any = data[pos : pos + size * count]
     if size == 1:
         return view if code == "B" else view.cast(code)
     if (order == "<") is (sys.byteorder == "little"):
         return view.cast(code)
-    swapped = array("B", view.tobytes())
-    numbers = array(code, swapped.tobytes())
+    numbers: array[Any] = array(code, view.tobytes())
     numbers.byteswap()
-    return memoryview(numbers.tobytes()).cast(code)
+    swapped_view: Any = memoryview(numbers.tobytes())
+    return swapped_view.cast(code)
