@@ -35,8 +35,8 @@ _PADDING = tuple(bytes(count) for count in range(8))
 def writer(cls: type) -> Callable[[Any], bytes]:
     """Return the function that writes messages of a class as `rclpy.serialization` does.
 
-    It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of its
-    field; the text names the field.
+    It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of
+    its field; the text names the field.
 
     Raises:
         TypeError: The class is no message.
