@@ -5,12 +5,23 @@ Everything is compiled or computed once for a message class, at its first use.
 
 from typing import Any, TypeVar
 
+from rosbase.wire.prepared import maker, packer
 from rosbase.wire.reader import reader
 from rosbase.wire.schema import schema
 from rosbase.wire.type_hash import dds_type_name, type_hash
 from rosbase.wire.writer import writer
 
-__all__ = ["dds_type_name", "deserialize", "reader", "schema", "serialize", "type_hash", "writer"]
+__all__ = [
+    "dds_type_name",
+    "deserialize",
+    "maker",
+    "packer",
+    "reader",
+    "schema",
+    "serialize",
+    "type_hash",
+    "writer",
+]
 
 MessageT = TypeVar("MessageT")
 
