@@ -23,6 +23,7 @@ from std_msgs.msg import String as RosString
 from rosbase import BaseHandlers, BaseManager, BaseNode, check_node_name
 from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import BackendError
+from rosbase.imu.outlet import VARYING
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.messages import Imu, String
 from rosbase.parameters import ParameterSpec
@@ -148,10 +149,10 @@ def test_a_message_whose_publisher_another_thread_ends_meanwhile_is_no_error(
         yield from (0.0, 0.0, 0.0, 1.0)
 
     words = backend.create_publisher(String, "words", 10)
-    cast("Any", words)._to_ros = end
+    cast("Any", words)._encode = end
     words.publish(String("x"))
     samples = backend.create_publisher(Imu, "imu/data", 10)
-    send: Any = backend.imu_sender(samples, Imu())
+    send: Any = backend.prepared_sender(samples, Imu(), VARYING)
     send(7, end_samples(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 

@@ -23,6 +23,7 @@ from rosbase import (
     ParameterSpec,
     make_logger,
 )
+from rosbase.imu.outlet import VARYING
 from rosbase.messages import Header, Imu
 from rosbase.testing import ManualClock
 from rosbase_ros2 import clock, refusals, starting
@@ -256,7 +257,7 @@ def refusing(
 
 def both_ways(publisher: RosPublisher) -> list[Callable[[], object]]:
     """Publishing a message, and sending a sample."""
-    send = publisher.imu_sender(Imu())
+    send = publisher.prepared_sender(Imu(), VARYING)
     turned, still = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     return [lambda: publisher.publish(Imu()), lambda: send(7, turned, still, still)]
 

@@ -1,7 +1,6 @@
 """The description of a message class: its ROS name and its fields, from their annotations."""
 
 import dataclasses
-import functools
 import typing
 from collections.abc import Iterator
 from enum import Enum
@@ -11,6 +10,7 @@ import attrs
 from attrs import field, frozen
 
 from rosbase.messages.fields import AtMost, Fixed, Numbers, Width, ros_type
+from rosbase.wire.once import once_per_class
 
 __all__ = ["Constant", "Field", "Kind", "MessageType", "describe"]
 
@@ -72,7 +72,7 @@ class MessageType:
         yield from found.values()
 
 
-@functools.cache
+@once_per_class
 def describe(cls: type) -> MessageType:
     """Return the description of a message class.
 

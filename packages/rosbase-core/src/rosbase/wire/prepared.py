@@ -1,8 +1,8 @@
 """Messages of which only some numbers vary: everything else is prepared once.
 
 A varying field is named by its path, such as `header.stamp` or `orientation`. Its value is, for a
-time or a duration, the nanoseconds; for a message of numbers or an array, a sequence of its numbers;
-and for a number, the number.
+time or a duration, the nanoseconds; for a message of numbers or an array, a sequence of its
+numbers; and for a number, the number.
 """
 
 import itertools
@@ -58,15 +58,15 @@ def packer(template: Any, varying: Sequence[str]) -> Callable[..., bytes]:
         if _kind_of(own, path) in _TIMES:
             source.line(f"{argument}_s, {argument}_n = divmod({argument}, {_NS_PER_S})")
     for leaf in layout.leaves:
-        path = next((path for path in arguments if _is_within(leaf.path, path)), None)
-        if path is None:
+        found = next((path for path in arguments if _is_within(leaf.path, path)), None)
+        if found is None:
             continue
         gap = whole[end : leaf.begin]
         if gap:
             form += f"{len(gap)}s"
             values.append(source.name_of(gap, "fixed"))
         form += f"{leaf.count}{leaf.code}"
-        values += _leaf_values(own, layout, leaf, path, arguments[path])
+        values += _leaf_values(own, layout, leaf, found, arguments[found])
         end = leaf.begin + leaf.count * struct.calcsize(f"<{leaf.code}")
     if rest := whole[end:]:
         form += f"{len(rest)}s"
