@@ -39,7 +39,7 @@ class RosPublisher:
             TypeError: It is not of the topic's class, or a field has a value of the wrong kind.
             ValueError: A value is out of the range of its field.
         """
-        if type(message) is not self._msg_type:
+        if type(message) is not self._msg_type and not isinstance(message, self._msg_type):
             raise TypeError(
                 f"{self.topic} takes {name_of(self._msg_type)}, not {name_of(type(message))}"
             )
