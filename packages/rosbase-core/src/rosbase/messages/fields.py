@@ -165,6 +165,10 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
                 " class or a frozen dataclass, below this decorator"
             )
         setattr(cls, _ROS_TYPE, name)
+        # The file that a message of ours is in is nobody's business.
+        home, _, file = cls.__module__.rpartition(".")
+        if home.startswith("rosbase.messages.") and file.startswith("_"):
+            cls.__module__ = home
         return cls
 
     return declare
