@@ -23,7 +23,7 @@ ROOT_DOC = [
     "Messages are immutable: every subscriber gets the same object, on any thread, without a copy.",
     "To change one, use `attrs.evolve(message, ...)`.",
     "",
-    "Each ROS package has a module of its name, such as `rosbase.messages.sensor_msgs`. What robots",
+    "Each ROS package has a module of its name: `rosbase.messages.sensor_msgs`. What robots",
     "send is here too. A message is imported when it is used.",
     "",
     NOTE,
