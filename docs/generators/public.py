@@ -26,6 +26,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "contracts.node_connection",
         "contracts.imu_sender",
         "contracts.names",
+        "contracts.service",
         "local",
     ),
     "Checks of `rosbase doctor`": ("contracts.checks",),
