@@ -221,6 +221,7 @@ class RosNode(NodeConnection):
                 f" {self.node.get_name()} are those of its first lifecycle node"
             )
             return
+        self._parameters.watch_transitions(node.describe_transition)
         call_soon = self._process.executor.call_soon
         self._services.append(LifecycleServices(self.node, node, call_soon, self._logger))
 
