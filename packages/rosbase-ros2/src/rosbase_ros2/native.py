@@ -27,6 +27,7 @@ from rclpy.executors import (
 )
 
 from rosbase import SystemClock, background_thread
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.turns import Turns
 from rosbase_ros2.workers import Workers
@@ -106,15 +107,19 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
             self._start()
             self._tell()
 
-    def close(self, patience_s: float) -> bool:
-        """End the threads; return whether all have ended in that time."""
+    def begin_end(self) -> None:
+        """Let the threads end, each after its callback."""
         with self._start_lock:
-            self._is_closed = True
-        deadline_ns = self._machine.monotonic_ns() + int(patience_s * 1e9)
-        self._tell()
+            has_begun, self._is_closed = self._is_closed, True
+        if not has_begun:
+            self._tell()
+
+    def close(self, deadline: Deadline) -> bool:
+        """End the threads; return whether all have ended in time."""
+        self.begin_end()
         if self._thread is not None and not self.is_current_thread:
-            self._thread.join(patience_s)
-        if not self._workers.join(deadline_ns, self._machine):
+            self._thread.join(deadline.left_s)
+        if not self._workers.join(deadline):
             return False
         if self._thread is not None and self._thread.is_alive():
             return False
