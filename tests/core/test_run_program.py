@@ -88,12 +88,14 @@ def test_levels_are_of_all_loggers_or_of_one(app: Path) -> None:
     assert done.stderr == "[DEBUG] [robot.rear]: built\n"
 
 
-def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> None:
+@pytest.fixture
+def walker(tmp_path: Path) -> Path:
     (tmp_path / "walker.py").write_text(
         "from rosbase import BaseNode, BaseHandlers, BaseManager, register_multiprocess_nodes\n"
         "class Walker(BaseNode):\n"
         "    def __init__(self, manager=None, **kwargs):\n"
         "        super().__init__(manager, **kwargs)\n"
+        "        self.logger.debug('lame')\n"
         "        print('pace', self.declare_parameter('pace', 1.0).value, flush=True)\n"
         "        self.create_timer(0.05, self.request_stop)\n"
         "class Waiting(BaseHandlers):\n"
@@ -108,14 +110,38 @@ def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> No
         "if __name__ == '__main__':\n"
         "    main()\n"
     )
-    done = run(tmp_path, "walker:Walker", "-p", "pace:=2", "-p", "peace:=3")
+    return tmp_path
+
+
+def test_a_node_alone_and_a_child_process_are_given_theirs(walker: Path) -> None:
+    done = run(walker, "walker:Walker", "-p", "pace:=2", "-p", "peace:=3")
     assert done.stdout == "pace 2.0\n", done.stderr
     said = "no node declares the parameter peace; did you mean pace?"
     assert done.stderr == f"[WARN] [Walker]: {said}\n"
     for given in ("left.pace:=4", "pace:=4"):
-        done = run(tmp_path, "walker.py", "-p", given)
+        done = run(walker, "walker.py", "-p", given)
         assert "left: pace 4.0" in done.stderr, done.stderr
         assert "no node declares" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("levels", "said"),
+    [
+        ([], False),
+        (["left:=debug"], True),
+        (["warn", "left:=debug"], True),
+        (["robot:=debug"], False),
+        (["debug"], True),
+        (["debug", "left:=info"], False),
+    ],
+    ids=lambda value: " ".join(value) or "none" if isinstance(value, list) else str(value),
+)
+def test_the_level_of_a_child_process_is_that_of_its_node(
+    walker: Path, levels: list[str], said: bool
+) -> None:
+    options = [word for level in levels for word in ("--log-level", level)]
+    done = run(walker, "walker.py", *options)
+    assert ("left: lame" in done.stderr) is said, done.stderr
 
 
 @pytest.mark.parametrize(
