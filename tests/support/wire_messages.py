@@ -188,4 +188,7 @@ def _flat_element(value: Any, one: Field, place: str) -> list[tuple[str, object]
     if isinstance(value, bytes):
         # As ROS has an octet.
         value = value[0]
+    if one.element is Width.BYTE:
+        # rosbags has it as a signed number.
+        value &= 0xFF
     return [(place, repr(float(value)) if one.element in _FLOATS else value)]
