@@ -66,7 +66,7 @@ def test_random_messages_have_the_bytes_of_rclpy(cls: type) -> None:
 
 @pytest.mark.parametrize("cls", BY_ROS, ids=name_of)
 def test_extreme_messages_have_the_bytes_of_rclpy(cls: type) -> None:
-    @settings(max_examples=20, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=20, suppress_health_check=list(HealthCheck), report_multiple_bugs=False)
     @given(messages_of(cls))
     def check(message: Any) -> None:
         agrees_with_ros(message)

@@ -14,10 +14,11 @@ from rosbase import messages
 from rosbase.messages.fields import TYPECODES, Width, ros_type
 from rosbase.wire.description import Field, Kind, MessageType, describe
 
-__all__ = ["CLASSES", "Rolled", "flat", "made", "messages_of", "name_of"]
+__all__ = ["CLASSES", "FLOAT32_MAX", "Rolled", "flat", "made", "messages_of", "name_of"]
 
 _MOST_ELEMENTS = 3
-_FLOATS = {Width.FLOAT32: 32, Width.FLOAT64: 64}
+_FLOATS = (Width.FLOAT32, Width.FLOAT64)
+FLOAT32_MAX = 3.4028234663852886e38
 _RANGES = {
     Width.BYTE: (0, 255),
     Width.CHAR: (0, 255),
@@ -111,7 +112,9 @@ class _Drawn:
 
 _numbers: dict[Width, st.SearchStrategy[Any]] = {
     Width.BOOL: st.booleans(),
-    **{width: st.floats(width=bits) for width, bits in _FLOATS.items()},  # type: ignore[arg-type]
+    Width.FLOAT64: st.floats(),
+    # The setters of ROS refuse the largest of all.
+    Width.FLOAT32: st.floats(width=32).filter(lambda real: abs(real) != FLOAT32_MAX),
     **{width: st.integers(*ends) for width, ends in _RANGES.items()},
 }
 _characters = st.characters(exclude_categories=["Cs"], exclude_characters="\0")
