@@ -24,7 +24,6 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Backends": (
         "contracts.backend",
         "contracts.node_connection",
-        "contracts.imu_sender",
         "contracts.names",
         "local",
     ),

@@ -67,5 +67,5 @@ def test_messages_cannot_be_changed_by_a_subscriber(message: object) -> None:
 
 
 def test_a_covariance_has_nine_elements() -> None:
-    with pytest.raises(ValueError, match="9 numbers"):
+    with pytest.raises(ValueError, match="orientation_covariance takes 9 elements, not 2"):
         Imu(orientation_covariance=(1.0, 2.0))  # type: ignore[arg-type]

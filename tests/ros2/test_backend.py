@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,8 +24,9 @@ from std_msgs.msg import String as RosString
 from rosbase import BaseHandlers, BaseManager, BaseNode, check_node_name
 from rosbase.contracts.backend import BackendOptions
 from rosbase.errors import BackendError
+from rosbase.imu.outlet import VARYING
 from rosbase.lifecycle import CallbackReturn, State
-from rosbase.messages import Imu, String
+from rosbase.messages import Header, Imu, String, Time
 from rosbase.parameters import ParameterSpec
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
@@ -112,14 +114,32 @@ def test_a_topic_of_another_type_is_refused_with_both_named_and_nothing_of_rcl_o
 
 def test_a_message_of_a_class_with_the_same_name_is_told_apart(backend: Ros2Backend) -> None:
     words = backend.create_publisher(String, "words", 10)
-    with pytest.raises(TypeError, match=r"takes rosbase\.messages\.String, not std_msgs\."):
-        words.publish(RosString(data="hello"))
-    samples = backend.create_publisher(Imu, "imu", 10)
-    wrong: Any = RosHeader()
     with pytest.raises(
-        TypeError, match=r"Imu\.header takes messages of type Header, not std_msgs\."
+        TypeError, match=r"takes rosbase\.messages\.std_msgs\.String, not std_msgs\."
     ):
-        samples.publish(Imu(wrong))
+        words.publish(RosString(data="hello"))
+
+
+def test_a_time_or_a_header_of_ros_is_accepted_in_messages_of_rosbase_and_the_other_way_round(
+    backend: Ros2Backend,
+) -> None:
+    now: Any = backend.clock.now()
+    # Checked by the setter: the tests run with ROS_PYTHON_CHECK_FIELDS.
+    ros = RosHeader(stamp=now.to_msg(), frame_id="a")
+    got: list[Imu] = []
+    backend.create_subscription(Imu, "imu", got.append, 10)
+    samples = backend.create_publisher(Imu, "imu", 10)
+    wanted = Imu(Header(now, "a"))
+    for sent in (wanted, Imu(Header(now.to_msg(), "a")), Imu(cast("Any", ros))):
+        got.clear()
+        publish_until(backend, partial(samples.publish, sent), got)
+        assert got[0] == wanted
+    times: list[Time] = []
+    backend.create_subscription(Time, "time", times.append, 10)
+    clock = backend.create_publisher(Time, "time", 10)
+    publish_until(backend, lambda: clock.publish(now), times)
+    assert times[0] == now == Time(now.sec, now.nanosec)
+    assert hash(times[0]) == hash(now)
 
 
 def test_a_destroyed_publisher_and_subscription_are_gone_from_the_graph(
@@ -148,10 +168,10 @@ def test_a_message_whose_publisher_another_thread_ends_meanwhile_is_no_error(
         yield from (0.0, 0.0, 0.0, 1.0)
 
     words = backend.create_publisher(String, "words", 10)
-    cast("Any", words)._to_ros = end
+    cast("Any", words)._encode = end
     words.publish(String("x"))
     samples = backend.create_publisher(Imu, "imu/data", 10)
-    send: Any = backend.imu_sender(samples, Imu())
+    send: Any = backend.prepared_sender(samples, Imu(), VARYING)
     send(7, end_samples(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 

@@ -23,11 +23,13 @@ from rosbase import (
     ParameterSpec,
     make_logger,
 )
+from rosbase.imu.outlet import VARYING
 from rosbase.messages import Header, Imu
 from rosbase.testing import ManualClock
 from rosbase_ros2 import clock, refusals, starting
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.conversion import Conversions
+from rosbase_ros2.courier import courier_of
 from rosbase_ros2.machine import date_refusal
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.topics import RosPublisher
@@ -251,12 +253,12 @@ def refusing(
     monkeypatch.setattr(refusals, "SystemClock", lambda: ManualClock(now_ns))
     context = SimpleNamespace(ok=lambda: is_valid)
     logger = make_logger("refusing", None, ManualClock())
-    yield RosPublisher(Fake(), Conversions().of(Imu), Refusals(context, logger))
+    yield RosPublisher(Fake(), courier_of(Imu, Conversions()), Refusals(context, logger))
 
 
 def both_ways(publisher: RosPublisher) -> list[Callable[[], object]]:
     """Publishing a message, and sending a sample."""
-    send = publisher.imu_sender(Imu())
+    send = publisher.prepared_sender(Imu(), VARYING)
     turned, still = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     return [lambda: publisher.publish(Imu()), lambda: send(7, turned, still, still)]
 

@@ -2,14 +2,14 @@
 
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rosbase.contracts.backend import BackendOptions, Publisher, Timer
-from rosbase.contracts.imu_sender import ImuSender
+from rosbase.contracts.node_connection import Sender
 from rosbase.errors import BackendError
 from rosbase.local import LocalBackend
-from rosbase.messages import Imu, Vector3
+from rosbase.messages import Vector3
 from support.backend_mutants.changed import LEFT_OPEN, Changed, breaks, too_long
 
 
@@ -38,8 +38,8 @@ class ComplainsAfterClose(Changed):
 
 @breaks("ended-publishers-are-silent")
 class ComplainsOfSamples(LocalBackend):
-    def imu_sender(self, publisher: Any, template: Imu) -> ImuSender:
-        send = super().imu_sender(publisher, template)
+    def prepared_sender(self, publisher: Any, template: Any, varying: Sequence[str]) -> Sender:
+        send = super().prepared_sender(publisher, template, varying)
 
         def send_or_complain(*sample: Any) -> None:
             if publisher not in self._publishers:
@@ -140,8 +140,8 @@ class ClosesTheWorld(LocalBackend):
 
 @breaks("ended-publishers-are-silent")
 class ComplainsOfSamplesAfterClose(LocalBackend):
-    def imu_sender(self, publisher: Any, template: Imu) -> ImuSender:
-        send = super().imu_sender(publisher, template)
+    def prepared_sender(self, publisher: Any, template: Any, varying: Sequence[str]) -> Sender:
+        send = super().prepared_sender(publisher, template, varying)
 
         def send_or_complain(*sample: Any) -> None:
             if self._closed:

@@ -1,13 +1,13 @@
 """What is wrong with topics."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from attrs import evolve
 
 from rosbase.contracts.backend import BackendOptions, Publisher
-from rosbase.contracts.imu_sender import ImuSender
+from rosbase.contracts.node_connection import Sender
 from rosbase.errors import BackendError
 from rosbase.local import Bus, LocalBackend
 from rosbase.messages import Imu
@@ -74,8 +74,10 @@ class SendsWhatItRefuses(Changed):
 
 @breaks("samples-arrive-like-messages")
 class ForgetsTheTemplate(LocalBackend):
-    def imu_sender(self, publisher: Publisher[Any], template: Imu) -> ImuSender:
-        return super().imu_sender(publisher, Imu())
+    def prepared_sender(
+        self, publisher: Publisher[Any], template: Any, varying: Sequence[str]
+    ) -> Sender:
+        return super().prepared_sender(publisher, type(template)(), varying)
 
 
 @breaks("delivers-in-process")

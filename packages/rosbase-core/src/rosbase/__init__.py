@@ -23,15 +23,17 @@ if TYPE_CHECKING:
         Finding,
         Outcome,
     )
-    from rosbase.contracts.imu_sender import (
-        ImuSender,
-        message_sender,
-    )
     from rosbase.contracts.names import (
         check_node_name,
         resolve_topic,
     )
-    from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
+    from rosbase.contracts.node_connection import (
+        NodeConnection,
+        Publisher,
+        Sender,
+        Subscription,
+        Timer,
+    )
     from rosbase.contracts.parameter_store import (
         OnSetParameters,
         ParameterRules,
@@ -76,6 +78,7 @@ if TYPE_CHECKING:
         RosbaseError,
         TransitionNotAvailableError,
         TransportError,
+        WireError,
     )
     from rosbase.framing import (
         Frame,
@@ -236,7 +239,6 @@ __all__ = [
     "HistoryPolicy",
     "ImuMapping",
     "ImuReader",
-    "ImuSender",
     "ImuSimulator",
     "Latest",
     "LifecycleNode",
@@ -277,6 +279,7 @@ __all__ = [
     "RosFormatter",
     "RosbaseError",
     "RosbaseLogger",
+    "Sender",
     "SetParametersResult",
     "SimulatedDevice",
     "Stamper",
@@ -295,6 +298,7 @@ __all__ = [
     "TransportPlugin",
     "TransportState",
     "WakePipe",
+    "WireError",
     "Written",
     "WrittenText",
     "as_profile",
@@ -308,7 +312,6 @@ __all__ = [
     "hookimpl",
     "installed_plugins",
     "make_logger",
-    "message_sender",
     "mismatch",
     "name_undeclared",
     "one_line",
@@ -362,7 +365,6 @@ _HOMES = {
     "HistoryPolicy": "rosbase.qos",
     "ImuMapping": "rosbase.imu.mapping",
     "ImuReader": "rosbase.imu.reader",
-    "ImuSender": "rosbase.contracts.imu_sender",
     "ImuSimulator": "rosbase.imu.simulator",
     "Latest": "rosbase.roles.latest",
     "LifecycleNode": "rosbase.roles.lifecycle_node",
@@ -402,6 +404,7 @@ _HOMES = {
     "RosFormatter": "rosbase.logger",
     "RosbaseError": "rosbase.errors",
     "RosbaseLogger": "rosbase.logger",
+    "Sender": "rosbase.contracts.node_connection",
     "SetParametersResult": "rosbase.parameters",
     "PluggableDevice": "rosbase.contracts.transport",
     "SimulatedDevice": "rosbase.contracts.transport",
@@ -417,6 +420,7 @@ _HOMES = {
     "Transport": "rosbase.contracts.transport",
     "TransportContext": "rosbase.contracts.transport",
     "TransportError": "rosbase.errors",
+    "WireError": "rosbase.errors",
     "TransportHealth": "rosbase.contracts.transport",
     "TransportPlugin": "rosbase.plugins",
     "TransportState": "rosbase.contracts.transport",
@@ -434,7 +438,6 @@ _HOMES = {
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
     "make_logger": "rosbase.logger",
-    "message_sender": "rosbase.contracts.imu_sender",
     "mismatch": "rosbase.qos",
     "name_undeclared": "rosbase.contracts.parameter_store",
     "one_line": "rosbase.text.printable",

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 import attrs
 
-from rosbase import messages
+from rosbase.messages.fields import ros_type
 from rosbase_ros2.kinds import (
     LIST,
     TYPECODES,
@@ -25,29 +25,10 @@ from rosbase_ros2.kinds import (
 
 __all__ = ["Accept", "Ask", "Conversions", "Converter"]
 
+_OUR_OWN = "rosbase.messages."
+
 Fill: TypeAlias = Callable[[Any, Any], None]
 """Function that copies a message of rosbase into a ROS message."""
-
-_PACKAGES = {
-    "builtin_interfaces": (messages.Time,),
-    "diagnostic_msgs": (
-        messages.DiagnosticArray,
-        messages.DiagnosticStatus,
-        messages.KeyValue,
-    ),
-    "geometry_msgs": (
-        messages.Point,
-        messages.PointStamped,
-        messages.Pose,
-        messages.PoseStamped,
-        messages.Quaternion,
-        messages.Twist,
-        messages.Vector3,
-    ),
-    "sensor_msgs": (messages.Imu, messages.JointState, messages.Joy, messages.MagneticField),
-    "std_msgs": (messages.Bool, messages.Header, messages.String),
-}
-_KNOWN: dict[type, str] = {kind: package for package, all_ in _PACKAGES.items() for kind in all_}
 
 
 @attrs.frozen
@@ -103,6 +84,14 @@ class Conversions:
             found = self._made[msg_type] = self._make(msg_type)
         return found
 
+    def is_converted(self, msg_type: type) -> bool:
+        """Return whether a plugin converts messages of this class.
+
+        Raises:
+            PluginError: A plugin's conversion for it is unusable.
+        """
+        return self._from_plugin(msg_type) is not None
+
     def derive(self, msg_type: type, ros_type: type) -> Converter:
         """Return a converter for an attrs class that has the fields of a ROS message class.
 
@@ -121,9 +110,10 @@ class Conversions:
     def _make(self, msg_type: type) -> Converter:
         if _is_ros(msg_type):
             return Converter(msg_type, msg_type, _same, _same)
-        if msg_type in _KNOWN:
-            return self.derive(msg_type, _ros_class(f"{_KNOWN[msg_type]}/{msg_type.__name__}"))
         found = self._from_plugin(msg_type)
+        name = ros_type(msg_type)
+        if found is None and name is not None:
+            return self.derive(msg_type, _ros_class(name))
         if found is None:
             name = getattr(msg_type, "__qualname__", None) or repr(msg_type)
             raise TypeError(
@@ -133,7 +123,7 @@ class Conversions:
 
     def _from_plugin(self, kind: Any) -> Converter | None:
         """Return a plugin's converter for a class; the plugin is asked once."""
-        if kind in _KNOWN or not isinstance(kind, type):
+        if not isinstance(kind, type) or kind.__module__.startswith(_OUR_OWN):
             return None
         if kind not in self._given:
             self._given[kind] = self._ask(kind, lambda given: self._accept(kind, given))
@@ -259,6 +249,6 @@ def _is_ros(kind: Any) -> bool:
 
 
 def _ros_class(name: str) -> type:
-    package, kind = name.split("/")
+    package, *_, kind = name.split("/")
     found: type = getattr(import_module(f"{package}.msg"), kind)
     return found

@@ -127,7 +127,7 @@ def _as_octet(value: Any, where: str) -> bytes:
 
 
 def _as_list(value: Any, where: str) -> Sequence[Any]:
-    if isinstance(value, list | tuple):
+    if isinstance(value, list | tuple | bytes):
         return value
     # numpy's arrays and those of the standard library; a text is no list of texts.
     if isinstance(value, Iterable) and hasattr(value, "tolist"):

@@ -8,7 +8,6 @@ from rclpy.qos import QoSProfile
 
 from rosbase import (
     BackendError,
-    ImuSender,
     ManagedNode,
     NodeConnection,
     OnSetParameters,
@@ -16,6 +15,7 @@ from rosbase import (
     ParameterSpec,
     PostSetParameters,
     Publisher,
+    Sender,
     SetParametersResult,
     Subscription,
     Timer,
@@ -25,8 +25,8 @@ from rosbase import (
     resolve_topic,
     timer_period_ns,
 )
-from rosbase.messages import Imu
 from rosbase_ros2.clock import RosClock
+from rosbase_ros2.courier import courier_of
 from rosbase_ros2.delivery import Retirement
 from rosbase_ros2.given import given_parameters, own_first
 from rosbase_ros2.kinds import name_of
@@ -137,10 +137,10 @@ class RosNode(NodeConnection):
             qos_profile: The depth of a reliable, volatile topic, or a profile of rosbase or rclpy.
         """
         self._process.check_open()
-        converter = self._process.conversions.of(msg_type)
+        courier = courier_of(msg_type, self._process.conversions)
         profile = to_profile(qos_profile, topic)
-        inner = self._create("publisher", converter.ros_type, topic, profile)
-        publisher = RosPublisher(inner, converter, self._refusals)
+        inner = self._create("publisher", courier.ros_type, topic, profile)
+        publisher = RosPublisher(inner, courier, self._refusals)
         self._publishers.append(publisher)
         return publisher
 
@@ -153,13 +153,16 @@ class RosNode(NodeConnection):
     ) -> Subscription[MessageT]:
         """Create a subscription; the callback runs on the main-loop thread."""
         self._process.check_open()
-        converter = self._process.conversions.of(msg_type)
+        courier = courier_of(msg_type, self._process.conversions)
         profile = to_profile(qos_profile, topic)
-        call_soon = self._process.executor.call_soon
-        subscription = RosSubscription(converter, callback, queue_depth(profile), call_soon)
-        subscription.attach(
-            self._create("subscription", converter.ros_type, topic, profile, subscription.deliver)
+        subscription = RosSubscription(
+            courier, callback, queue_depth(profile), self._process.executor.call_soon, self._logger
         )
+        deliver = subscription.deliver
+        inner = self._create(
+            "subscription", courier.ros_type, topic, profile, deliver, is_raw=courier.is_raw
+        )
+        subscription.attach(inner)
         self._subscriptions.append(subscription)
         return subscription
 
@@ -224,11 +227,13 @@ class RosNode(NodeConnection):
         call_soon = self._process.executor.call_soon
         self._services.append(LifecycleServices(self.node, node, call_soon, self._logger))
 
-    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
-        """Return a sender of samples as bytes."""
+    def prepared_sender(
+        self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
+    ) -> Sender:
+        """Return a sender of messages as bytes."""
         if isinstance(publisher, RosPublisher):
-            return publisher.imu_sender(template)
-        return super().imu_sender(publisher, template)
+            return publisher.prepared_sender(template, varying)
+        return super().prepared_sender(publisher, template, varying)
 
     def has_parameter(self, name: str) -> bool:
         """Return whether the node has declared a parameter, or takes one for every node."""
@@ -262,7 +267,13 @@ class RosNode(NodeConnection):
         return True
 
     def _create(
-        self, end: str, ros_type: type, topic: str, profile: QoSProfile, *callback: Any
+        self,
+        end: str,
+        ros_type: type,
+        topic: str,
+        profile: QoSProfile,
+        *callback: Any,
+        is_raw: bool = False,
     ) -> Any:
         """Create an end of a topic with rclpy; turn a refusal into an error of one line."""
         resolve_topic(topic, self.node_name)
@@ -272,12 +283,14 @@ class RosNode(NodeConnection):
             name = self.node.resolve_topic_name(topic)
             self._check_type(name, ros_type)
             options = self._overrides.options(name, end)
+            raw: dict[str, Any] = {} if is_publisher else {"raw": is_raw}
             # rclpy changes the profile, which may be used for other topics too.
             profile = copy.copy(profile) if options else profile
             return create(
                 *(ros_type, topic, *callback, profile),
                 qos_overriding_options=options,
                 callback_group=OwnGroup(),
+                **raw,
             )
         except Exception as error:
             reason = one_line(str(error))

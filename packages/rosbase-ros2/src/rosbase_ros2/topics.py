@@ -1,14 +1,13 @@
 """Publishers and subscriptions that convert messages."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.exceptions import InvalidHandle
 
-from rosbase import ImuSender, QueuedSubscription
-from rosbase.messages import Imu, MagneticField
-from rosbase_ros2.cdr import ImuEncoder, MagneticFieldEncoder, sample_packer
-from rosbase_ros2.conversion import Converter
+from rosbase import QueuedSubscription, RosbaseLogger, Sender, WireError
+from rosbase.wire import maker, packer
+from rosbase_ros2.courier import Courier
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.qos import queue_depth
 from rosbase_ros2.refusals import RCLError, Refusals
@@ -16,25 +15,17 @@ from rosbase_ros2.refusals import RCLError, Refusals
 __all__ = ["RosPublisher", "RosSubscription"]
 
 
-# rclpy publishes bytes as they are: what comes at a high rate is not built as a message first.
-_ENCODERS: dict[type, Callable[[], Callable[[Any], bytes]]] = {
-    Imu: lambda: ImuEncoder().encode,
-    MagneticField: lambda: MagneticFieldEncoder().encode,
-}
-
-
 class RosPublisher:
     """Sends messages of one class to one topic. Use it from any thread."""
 
-    __slots__ = ("_msg_type", "_refusals", "_send", "_to_ros", "inner", "topic")
+    __slots__ = ("_courier", "_encode", "_msg_type", "_refusals", "_send", "inner", "topic")
 
-    def __init__(self, inner: Any, converter: Converter, refusals: Refusals) -> None:
+    def __init__(self, inner: Any, courier: Courier, refusals: Refusals) -> None:
         self.inner = inner
         """Publisher of rclpy."""
         self.topic: str = inner.topic_name
-        self._msg_type = converter.msg_type
-        encoder = _ENCODERS.get(converter.msg_type)
-        self._to_ros = encoder() if encoder else converter.to_ros
+        self._courier = courier
+        self._msg_type, self._encode = courier.msg_type, courier.encode
         self._refusals = refusals
         self._send: Callable[[Any], object] | None = inner.publish
 
@@ -48,14 +39,14 @@ class RosPublisher:
             TypeError: It is not of the topic's class, or a field has a value of the wrong kind.
             ValueError: A value is out of the range of its field.
         """
-        if type(message) is not self._msg_type:
+        if type(message) is not self._msg_type and not isinstance(message, self._msg_type):
             raise TypeError(
                 f"{self.topic} takes {name_of(self._msg_type)}, not {name_of(type(message))}"
             )
         send = self._send
         if send is not None:
             try:
-                send(self._to_ros(message))
+                send(self._encode(message))
             except InvalidHandle:
                 # Another thread may have ended it meanwhile.
                 if self._send is not None:
@@ -64,18 +55,24 @@ class RosPublisher:
                 return self._refusals.judge(self.topic, error)
         return True
 
-    def imu_sender(self, template: Imu) -> ImuSender:
-        """Return a sender of samples like the template.
+    def prepared_sender(self, template: Any, varying: Sequence[str]) -> Sender:
+        """Return a sender of messages like the template; see `rosbase.wire.maker`.
 
         It sends nothing once the publisher has ended.
         """
-        pack = sample_packer(template)
+        if self._courier.is_raw:
+            encode = packer(template, varying)
+        else:
+            make, encode_message = maker(template, varying), self._encode
 
-        def send_sample(*sample: Any) -> bool:
+            def encode(*values: Any) -> Any:
+                return encode_message(make(*values))
+
+        def send_values(*values: Any) -> bool:
             send = self._send
             if send is not None:
                 try:
-                    send(pack(*sample))
+                    send(encode(*values))
                 except InvalidHandle:
                     if self._send is not None:
                         raise
@@ -83,7 +80,7 @@ class RosPublisher:
                     return self._refusals.judge(self.topic, error)
             return True
 
-        return send_sample
+        return send_values
 
     def close(self) -> None:
         """Stop sending."""
@@ -93,19 +90,30 @@ class RosPublisher:
 class RosSubscription(QueuedSubscription):
     """Last messages of a topic, converted when they are handled."""
 
-    __slots__ = ("inner",)
+    __slots__ = ("_decode", "_handle", "_logger", "inner")
 
     def __init__(
         self,
-        converter: Converter,
+        courier: Courier,
         callback: Callable[[Any], object],
         depth: int,
         schedule: Callable[[Callable[[], object]], None],
+        logger: RosbaseLogger,
     ) -> None:
-        from_ros = converter.from_ros
-        super().__init__("", lambda message: callback(from_ros(message)), depth, schedule)
+        super().__init__("", self._take, depth, schedule)
+        self._decode, self._handle = courier.decode, callback
+        self._logger = logger
         self.inner: Any = None
         """Subscription of rclpy."""
+
+    def _take(self, received: Any) -> None:
+        try:
+            message = self._decode(received)
+        except WireError as error:
+            # rclpy drops such a message too.
+            self._logger.log_throttle(f"{self.topic}: dropped a message: {error}", 1.0, "warning")
+            return
+        self._handle(message)
 
     def attach(self, inner: Any) -> None:
         """Set the rclpy subscription that delivers here; its profile may have been overridden."""

@@ -7,17 +7,23 @@ A backend is the connection of its manager's own node, or of a standalone node.
 import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from rosbase.clock import Clock
-from rosbase.contracts.imu_sender import ImuSender, message_sender
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.lifecycle import ManagedNode
-from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
+from rosbase.wire import maker
 
-__all__ = ["NodeConnection", "Publisher", "Subscription", "Timer"]
+__all__ = ["NodeConnection", "Publisher", "Sender", "Subscription", "Timer"]
+
+Sender: TypeAlias = Callable[..., object]
+"""Function that publishes a message of the values of its varying fields, in their order.
+
+It returns False if the backend did not take the message, as `Publisher.publish` does. It checks no
+value: the caller has done so.
+"""
 
 MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
@@ -218,11 +224,28 @@ class NodeConnection(ABC):
         show only one shows the first, and logs a warning for each of the others.
         """
 
-    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
-        """Create a sender of samples that differ from `template` only in stamp and numbers.
+    def prepared_sender(
+        self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
+    ) -> Sender:
+        """Create a sender of messages that differ from `template` only in some numbers.
 
-        Override it in a backend that can send samples without building a message for each;
+        Override it in a backend that can send messages without building an object for each;
         the received messages are the same. The sender may be called from any thread, by
         one at a time.
+
+        Args:
+            publisher: A publisher of this connection.
+            template: All that does not vary.
+            varying: Paths of the fields that vary, such as `header.stamp` or `orientation`; see
+                `rosbase.wire.maker` for their values.
+
+        Raises:
+            TypeError: The template is no message (see `rosbase.message`).
+            ValueError: A path leads to no numbers.
         """
-        return message_sender(publisher.publish, template)
+        make, publish = maker(template, varying), publisher.publish
+
+        def send(*values: Any) -> object:
+            return publish(make(*values))
+
+        return send

@@ -5,12 +5,16 @@ from typing import Any, TypeVar
 
 from attrs import evolve
 
-from rosbase.contracts.imu_sender import ImuSender
 from rosbase.contracts.names import check_node_name, resolve_topic
-from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
+from rosbase.contracts.node_connection import (
+    NodeConnection,
+    Publisher,
+    Sender,
+    Subscription,
+    Timer,
+)
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.lifecycle import ManagedNode
-from rosbase.messages import Imu
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
 
@@ -127,9 +131,11 @@ class NodeView(NodeConnection):
         """Let other programs see the lifecycle, as far as the backend can."""
         self._shared.expose_lifecycle(node)
 
-    def imu_sender(self, publisher: Publisher[Imu], template: Imu) -> ImuSender:
-        """Create a sender of samples."""
-        return self._shared.imu_sender(publisher, template)
+    def prepared_sender(
+        self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
+    ) -> Sender:
+        """Create a sender of messages like the template."""
+        return self._shared.prepared_sender(publisher, template, varying)
 
     def _inner(self, parameter: Parameter[Any]) -> Parameter[Any]:
         return Parameter(parameter.name.removeprefix(self._prefix), parameter.value)

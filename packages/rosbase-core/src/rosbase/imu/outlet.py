@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from rosbase.contracts.imu_sender import ImuSender
+from rosbase.contracts.node_connection import Sender
 from rosbase.imu.counts import Counts
 from rosbase.imu.mapping import Sample
 from rosbase.messages import (
@@ -18,7 +18,10 @@ from rosbase.messages import (
 )
 from rosbase.roles.lifecycle_node import LifecyclePublisher
 
-__all__ = ["Outlet", "Publishers"]
+__all__ = ["VARYING", "Outlet", "Publishers"]
+
+VARYING = ("header.stamp", "orientation", "angular_velocity", "linear_acceleration")
+"""Fields of an Imu that differ from one sample to the next."""
 
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)
 _NO_VECTOR = (0.0, 0.0, 0.0)
@@ -49,7 +52,7 @@ class Outlet:
     def __init__(
         self,
         publishers: Publishers,
-        prepare: Callable[[LifecyclePublisher[Imu], Imu], ImuSender],
+        prepare: Callable[[LifecyclePublisher[Imu], Imu], Sender],
         frame_id: str,
         covariances: Mapping[str, Covariance],
         counts: Counts,
@@ -68,7 +71,7 @@ class Outlet:
         self._frame_id = frame_id
         self._covariances = covariances
         self._counts = counts
-        self._senders: dict[_Absent, ImuSender] = {}
+        self._senders: dict[_Absent, Sender] = {}
         # All three are enabled together.
         self._gate = publishers.data
 
@@ -108,7 +111,7 @@ class Outlet:
         covariance = self._covariances["magnetic_field"]
         return self._publishers.mag.publish(MagneticField(header, Vector3(*field), covariance))
 
-    def _prepare_sender(self, absent: _Absent) -> ImuSender:
+    def _prepare_sender(self, absent: _Absent) -> Sender:
         names = ("orientation", "angular_velocity", "linear_acceleration")
         turned, rate, force = (
             COVARIANCE_NOT_REPORTED if is_absent else self._covariances[name]

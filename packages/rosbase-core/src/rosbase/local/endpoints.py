@@ -1,10 +1,12 @@
 """The two ends of a topic: a publisher hands messages to the matching subscriptions."""
 
+import copy
 import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from rosbase.messages.fields import is_frozen
 from rosbase.qos import QoSProfile
 from rosbase.runtime.queued_subscription import QueuedSubscription
 
@@ -135,7 +137,34 @@ class LatchedPublisher(LocalPublisher):
             self._kept = deque(maxlen=0)
 
 
+class CopyingPublisher(LocalPublisher):
+    """Hands on copies of messages that can be changed.
+
+    Programs for rclpy fill one object again and again. Without a copy, a subscriber would find the
+    last content in every message that waits for it.
+    """
+
+    __slots__ = ()
+
+    def publish(self, message: Any) -> None:
+        """Queue a copy of the message for every matching subscription."""
+        super().publish(copy.deepcopy(message))
+
+
+class CopyingLatchedPublisher(LatchedPublisher):
+    """Keeps and hands on copies of messages that can be changed."""
+
+    __slots__ = ()
+
+    def publish(self, message: Any) -> None:
+        """Queue a copy of the message, and keep it."""
+        super().publish(copy.deepcopy(message))
+
+
 def make_publisher(topic: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
     """Create a publisher that keeps messages as its profile says."""
-    kind = LatchedPublisher if profile.is_latched else LocalPublisher
+    if is_frozen(msg_type):
+        kind = LatchedPublisher if profile.is_latched else LocalPublisher
+    else:
+        kind = CopyingLatchedPublisher if profile.is_latched else CopyingPublisher
     return kind(topic, msg_type, profile)

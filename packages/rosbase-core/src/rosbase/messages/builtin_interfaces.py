@@ -41,7 +41,7 @@ def _nanoseconds_of(value: Any, name: str) -> int | None:
 
 
 @message("builtin_interfaces/msg/Duration")
-@frozen(order=False)
+@frozen(eq=False)
 class Duration:
     """Length of time, which may be negative, as builtin_interfaces/Duration has it."""
 
@@ -76,6 +76,13 @@ class Duration:
             return NotImplemented
         return Duration.from_nanoseconds(self.nanoseconds - length)
 
+    def __eq__(self, other: object) -> bool:
+        length = _nanoseconds_of(other, "Duration")
+        return NotImplemented if length is None else self.nanoseconds == length
+
+    def __hash__(self) -> int:
+        return hash((self.sec, self.nanosec))
+
     def __neg__(self) -> "Duration":
         return Duration.from_nanoseconds(-self.nanoseconds)
 
@@ -97,7 +104,7 @@ class Duration:
 
 
 @message("builtin_interfaces/msg/Time")
-@frozen(order=False)
+@frozen(eq=False)
 class Time:
     """Point in time since the Unix epoch, as builtin_interfaces/Time has it."""
 
@@ -142,6 +149,13 @@ class Time:
         if length is None:
             return NotImplemented
         return Time.from_nanoseconds(self.nanoseconds - length)
+
+    def __eq__(self, other: object) -> bool:
+        when = _nanoseconds_of(other, "Time")
+        return NotImplemented if when is None else self.nanoseconds == when
+
+    def __hash__(self) -> int:
+        return hash((self.sec, self.nanosec))
 
     def __lt__(self, other: "Time") -> bool:
         when = _nanoseconds_of(other, "Time")

@@ -32,6 +32,7 @@ __all__ = [
     "WString",
     "Width",
     "fixed",
+    "is_frozen",
     "message",
     "numbers",
     "ros_type",
@@ -158,7 +159,7 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
         raise ValueError(f"a message is named like sensor_msgs/msg/Imu, not {name!r}")
 
     def declare(cls: ClassT) -> ClassT:
-        if not _is_frozen(cls):
+        if not is_frozen(cls):
             raise TypeError(
                 f"{cls.__name__} can be changed after it was published; make it a frozen attrs"
                 " class or a frozen dataclass, below this decorator"
@@ -174,12 +175,15 @@ def ros_type(cls: Any) -> str | None:
     return vars(cls).get(_ROS_TYPE) if isinstance(cls, type) else None
 
 
-def _is_frozen(cls: type) -> bool:
+def is_frozen(cls: type) -> bool:
+    """Return whether no attribute of an instance can be set: a frozen class, a tuple, a number."""
     options = getattr(cls, "__dataclass_params__", None)
     if options is not None:
         return bool(options.frozen)
     setter: Any = cls.__setattr__
-    return "__attrs_attrs__" in vars(cls) and setter is not object.__setattr__
+    if "__attrs_attrs__" in vars(cls):
+        return setter is not object.__setattr__
+    return issubclass(cls, (tuple, str, bytes, int, float, Enum))
 
 
 def fixed(size: int, value: Any = 0.0) -> Any:

@@ -5,12 +5,26 @@ Everything is compiled or computed once for a message class, at its first use.
 
 from typing import Any, TypeVar
 
+from rosbase.wire.description import MessageType, describe
+from rosbase.wire.prepared import maker, packer
 from rosbase.wire.reader import reader
 from rosbase.wire.schema import schema
 from rosbase.wire.type_hash import dds_type_name, type_hash
 from rosbase.wire.writer import writer
 
-__all__ = ["dds_type_name", "deserialize", "reader", "schema", "serialize", "type_hash", "writer"]
+__all__ = [
+    "MessageType",
+    "dds_type_name",
+    "describe",
+    "deserialize",
+    "maker",
+    "packer",
+    "reader",
+    "schema",
+    "serialize",
+    "type_hash",
+    "writer",
+]
 
 MessageT = TypeVar("MessageT")
 
@@ -22,8 +36,7 @@ def serialize(message: Any) -> bytes:
         TypeError: It is no message, or a field has a value of the wrong kind; the text names it.
         ValueError: A value is out of the range of its field; the text names it.
     """
-    kind: Any = type(message)
-    return writer(kind)(message)
+    return writer(type(message))(message)
 
 
 def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
@@ -33,6 +46,5 @@ def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
         TypeError: The class is no message.
         WireError: The bytes are no such message.
     """
-    kind: Any = message_type
-    message: MessageT = reader(kind)(data)
+    message: MessageT = reader(message_type)(data)
     return message

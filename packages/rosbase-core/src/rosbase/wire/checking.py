@@ -1,6 +1,6 @@
 """Look at a message that the fast writer does not take: name the fault, or make it usual.
 
-A number of numpy or an int in a float field is right, though unusual. A field that is wrong is named
+A number of numpy or an int in a float field is right, though unusual. A wrong field is named
 with its place, such as `Imu.header.stamp.sec`.
 """
 

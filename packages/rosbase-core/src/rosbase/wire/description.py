@@ -1,7 +1,6 @@
 """The description of a message class: its ROS name and its fields, from their annotations."""
 
 import dataclasses
-import functools
 import typing
 from collections.abc import Iterator
 from enum import Enum
@@ -11,6 +10,7 @@ import attrs
 from attrs import field, frozen
 
 from rosbase.messages.fields import AtMost, Fixed, Numbers, Width, ros_type
+from rosbase.wire.once import once_per_class
 
 __all__ = ["Constant", "Field", "Kind", "MessageType", "describe"]
 
@@ -42,6 +42,8 @@ class Field:
     """Most bytes of a text; 0: any number."""
     is_buffer: bool = False
     """Whether its numbers are a buffer."""
+    is_keyword: bool = False
+    """Whether the constructor takes it by name only."""
 
 
 @frozen
@@ -70,7 +72,7 @@ class MessageType:
         yield from found.values()
 
 
-@functools.cache
+@once_per_class
 def describe(cls: type) -> MessageType:
     """Return the description of a message class.
 
@@ -85,15 +87,20 @@ def describe(cls: type) -> MessageType:
         )
     hints = typing.get_type_hints(cls, include_extras=True)
     fields = tuple(
-        _field(own, alias, hints[own], f"{cls.__name__}.{own}") for own, alias in _names(cls)
+        attrs.evolve(
+            _field(one.name, alias, hints[one.name], f"{cls.__name__}.{one.name}"),
+            is_keyword=bool(one.kw_only),
+        )
+        for one, alias in _declared(cls)
     )
     return MessageType(name, cls, fields, tuple(_constants(cls, hints)))
 
 
-def _names(cls: Any) -> list[tuple[str, str]]:
+def _declared(cls: Any) -> list[tuple[Any, str]]:
+    """Return the fields of an attrs class or a dataclass, with their names in the constructor."""
     if attrs.has(cls):
-        return [(one.name, one.alias) for one in attrs.fields(cls) if one.init]
-    return [(one.name, one.name) for one in dataclasses.fields(cls) if one.init]
+        return [(one, one.alias) for one in attrs.fields(cls) if one.init]
+    return [(one, one.name) for one in dataclasses.fields(cls) if one.init]
 
 
 def _collect(of: MessageType, found: dict[str, MessageType]) -> None:

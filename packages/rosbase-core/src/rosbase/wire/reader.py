@@ -11,6 +11,7 @@ from rosbase.errors import WireError
 from rosbase.messages.fields import TYPECODES, Width
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import read_numbers, read_text, read_view, read_wide_text
 from rosbase.wire.source import Source
 
@@ -20,7 +21,7 @@ _OUR_OWN = "rosbase.messages."
 _HEADER_SIZE = 4
 
 
-@functools.cache
+@once_per_class
 def reader(cls: type) -> Callable[[bytes], Any]:
     """Return the function that reads messages of a class.
 

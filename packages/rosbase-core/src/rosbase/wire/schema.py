@@ -34,10 +34,7 @@ def _value(value: object) -> object:
 
 
 def _type(of: Field) -> str:
-    if isinstance(of.element, MessageType):
-        text = _short(of.element)
-    else:
-        text = of.element.value
+    text = _short(of.element) if isinstance(of.element, MessageType) else of.element.value
     if of.text_limit:
         text += f"<={of.text_limit}"
     if of.kind is Kind.ARRAY:

@@ -1,12 +1,12 @@
 """The type hash of ROS 2 (REP-2016): SHA-256 over the description of a type in JSON."""
 
-import functools
 import hashlib
 import json
 from typing import Any
 
 from rosbase.messages.fields import Width
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.once import once_per_class
 
 __all__ = ["dds_type_name", "type_hash"]
 
@@ -35,7 +35,7 @@ _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
-@functools.cache
+@once_per_class
 def type_hash(cls: type) -> str:
     """Return the hash of a message class, such as `RIHS01_7d9a00ff...`.
 

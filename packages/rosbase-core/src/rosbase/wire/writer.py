@@ -13,6 +13,7 @@ from rosbase.messages.fields import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES, Run
 from rosbase.wire.checking import made_usual
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import UnusualError, packed, put_texts, text_of, wide_text_of
 from rosbase.wire.source import Source
 
@@ -31,12 +32,12 @@ _PYTHON_TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = tuple(bytes(count) for count in range(8))
 
 
-@functools.cache
+@once_per_class
 def writer(cls: type) -> Callable[[Any], bytes]:
     """Return the function that writes messages of a class as `rclpy.serialization` does.
 
-    It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of its
-    field; the text names the field.
+    It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of
+    its field; the text names the field.
 
     Raises:
         TypeError: The class is no message.

@@ -15,6 +15,7 @@ __all__ = ["EndingChecks"]
 
 _WORDS = range(20)
 _LIVES = 3
+_VARYING = ("header.stamp", "orientation", "angular_velocity", "linear_acceleration")
 _SAMPLE: Any = (0, (0.0, 0.0, 0.0, 1.0), (0.0,) * 3, (0.0,) * 3)
 
 
@@ -37,9 +38,9 @@ class EndingChecks(BackendRig):
         promised, backend = promise("ended-publishers-are-silent"), self.open()
         ended, other, listener = self.talker(backend), self.talker(backend), self.listener(backend)
         samples = backend.create_publisher(Imu, f"{self.topic}_imu", 1)
-        send = backend.imu_sender(samples, Imu())
+        send = backend.prepared_sender(samples, Imu(), _VARYING)
         more_samples = backend.create_publisher(Imu, f"{self.topic}_imu", 1)
-        send_more = backend.imu_sender(more_samples, Imu())
+        send_more = backend.prepared_sender(more_samples, Imu(), _VARYING)
         self.connect(promised, ended, listener)
         self.connect(promised, other, listener)
         backend.destroy_publisher(ended.publisher)

@@ -61,7 +61,7 @@ _SENTENCES = {
         " receives it"
     ),
     "samples-arrive-like-messages": (
-        "A sample sent by imu_sender arrives as the message with that template, stamp and numbers"
+        "A prepared sender sends the message of its template and values"
     ),
     "delivers-in-process": (
         "If delivers_in_process is True, publish has queued the message itself, no copy, with"
