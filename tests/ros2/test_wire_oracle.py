@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, given, settings
 
 from rosbase.wire import deserialize, schema, serialize, type_hash
 from rosbase.wire.description import describe
+from support.mirrored_messages import mirrored
 from support.plain_cdr import PlainCdr
 from support.ros_messages import as_ros, ros_class
 from support.wire_messages import CLASSES, Rolled, flat, made, messages_of, name_of
@@ -30,6 +31,9 @@ BY_ROSBAGS = [cls for cls in CLASSES if name_of(cls) in STORE.types]
 # rosbags keeps the `char` of these definitions; rosidl, and so rclpy, makes it uint8.
 CHAR_OF_ROSBAGS = {"std_msgs/msg/Char", "service_msgs/msg/ServiceEventInfo"}
 ALMOST_ALL = 100
+# Arrays, bounded and unbounded sequences of all types, bounded and wide texts, empty messages.
+OWN = [name for name in vars(import_module("test_msgs.msg")) if name[0].isupper()]
+OWN = [name for name in OWN if "_" not in name]
 
 
 def agrees_with_ros(message: Any) -> None:
@@ -85,6 +89,28 @@ def test_random_messages_have_the_bytes_of_rosbags(cls: type) -> None:
 def test_each_class_has_an_oracle_and_almost_all_have_two() -> None:
     assert {*BY_ROS, *BY_ROSBAGS} == set(CLASSES)
     assert len(BY_ROSBAGS) > ALMOST_ALL
+
+
+@pytest.mark.parametrize("kind", ["attrs", "dataclass"])
+@pytest.mark.parametrize("name", OWN)
+def test_random_own_messages_have_the_bytes_of_rclpy(name: str, kind: str) -> None:
+    cls = mirrored(f"test_msgs/msg/{name}", kind)
+    choose = Rolled(9)
+    for _ in range(50):
+        agrees_with_ros(made(describe(cls), choose))
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_the_hash_of_an_own_message_is_the_one_that_rclpy_publishes_with(
+    name: str, context: Any
+) -> None:
+    node: Any = rclpy.create_node("hashes", context=context)
+    try:
+        node.create_publisher(ros_class(f"test_msgs/msg/{name}"), "topic", 1)
+        (info,) = node.get_publishers_info_by_topic("/topic")
+        assert str(info.topic_type_hash) == type_hash(mirrored(f"test_msgs/msg/{name}", "attrs"))
+    finally:
+        node.destroy_node()
 
 
 def test_the_hash_is_the_one_that_rclpy_publishes_with(context: Any) -> None:

@@ -51,10 +51,10 @@ class PlainCdr:
             self._put_number(len(value.encode()) + 1, "I")
             self._body += value.encode() + b"\0"
         elif one.element is Width.WSTRING:
-            form = "utf-16-le" if self._order == "<" else "utf-16-be"
-            data = value.encode(form)
-            self._put_number(len(data) // 2, "I")
-            self._body += data
+            units = value.encode("utf-16-le")
+            self._put_number(len(units) // 2, "I")
+            for (unit,) in struct.iter_unpack("<H", units):
+                self._put_number(unit, "I")
         else:
             assert isinstance(one.element, Width)
             self._put_number(value, TYPECODES[one.element])
