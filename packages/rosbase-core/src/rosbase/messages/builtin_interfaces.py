@@ -70,6 +70,22 @@ class Duration:
             return NotImplemented
         return Duration.from_nanoseconds(self.nanoseconds + length)
 
+    def __radd__(self, other: Any) -> Any:
+        """Return the time that much after a time of rclpy, as one of ours."""
+        when = _nanoseconds_of(other, "Time")
+        if when is None:
+            return self.__add__(other)
+        return Time.from_nanoseconds(when + self.nanoseconds)
+
+    def __rsub__(self, other: Any) -> Any:
+        """Return the time that much before a time of rclpy, or what is left of a duration."""
+        when, length = _nanoseconds_of(other, "Time"), _nanoseconds_of(other, "Duration")
+        if when is not None:
+            return Time.from_nanoseconds(when - self.nanoseconds)
+        if length is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(length - self.nanoseconds)
+
     def __sub__(self, other: "Duration") -> "Duration":
         length = _nanoseconds_of(other, "Duration")
         if length is None:
@@ -81,7 +97,7 @@ class Duration:
         return NotImplemented if length is None else self.nanoseconds == length
 
     def __hash__(self) -> int:
-        return hash((self.sec, self.nanosec))
+        return hash(self.nanoseconds)
 
     def __neg__(self) -> "Duration":
         return Duration.from_nanoseconds(-self.nanoseconds)
@@ -150,12 +166,19 @@ class Time:
             return NotImplemented
         return Time.from_nanoseconds(self.nanoseconds - length)
 
+    def __rsub__(self, other: Any) -> Any:
+        """Return the duration from this time to one of rclpy's."""
+        when = _nanoseconds_of(other, "Time")
+        if when is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(when - self.nanoseconds)
+
     def __eq__(self, other: object) -> bool:
         when = _nanoseconds_of(other, "Time")
         return NotImplemented if when is None else self.nanoseconds == when
 
     def __hash__(self) -> int:
-        return hash((self.sec, self.nanosec))
+        return hash(self.nanoseconds)
 
     def __lt__(self, other: "Time") -> bool:
         when = _nanoseconds_of(other, "Time")

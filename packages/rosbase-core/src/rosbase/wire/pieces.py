@@ -89,7 +89,8 @@ def packed(values: Any, code: str) -> tuple[Any, int]:
     view = memoryview(values)
     if view.format.lstrip("<=@") not in _SAME_SIZE.get(code, code) or not view.c_contiguous:
         raise UnusualError
-    return view.cast("B"), view.nbytes // view.itemsize
+    # A view of no elements cannot be cast.
+    return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize
 
 
 def read_text(data: memoryview, pos: int, size: int) -> str:
