@@ -25,6 +25,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "contracts.backend",
         "contracts.node_connection",
         "contracts.names",
+        "contracts.service",
         "local",
     ),
     "Checks of `rosbase doctor`": ("contracts.checks",),

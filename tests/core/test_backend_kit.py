@@ -18,7 +18,11 @@ from support.backend_mutants import LEFT_OPEN, MUTANTS, PATIENCE_S
 
 CHECKS = {name for name in dir(BackendContract) if name.startswith("test_")}
 EVERYTHING = BackendCapabilities(
-    delivers_in_process=True, several_per_process=True, takes_a_clock=True, has_log_handler=True
+    delivers_in_process=True,
+    several_per_process=True,
+    takes_a_clock=True,
+    has_log_handler=True,
+    has_services=True,
 )
 
 
@@ -88,6 +92,8 @@ def test_a_backend_that_breaks_a_promise_is_rejected_by_that_name(
         ("backends-hear-each-other", "several_per_process"),
         ("last-words-outlive-the-backend", "several_per_process"),
         ("closing-leaves-others-alone", "several_per_process"),
+        ("two-may-call-each-other", "several_per_process"),
+        ("services-answer", "has_services"),
     ],
 )
 def test_what_a_backend_does_not_say_that_it_can_is_skipped_with_the_reason(

@@ -7,7 +7,10 @@ from rosbase.testing import BackendCapabilities, BackendContract
 
 class TestLocalBackend(BackendContract):
     capabilities = BackendCapabilities(
-        delivers_in_process=True, several_per_process=True, takes_a_clock=True
+        delivers_in_process=True,
+        several_per_process=True,
+        takes_a_clock=True,
+        has_services=True,
     )
 
     def make_backend(self, options: BackendOptions) -> Backend:

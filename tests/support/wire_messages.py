@@ -30,7 +30,7 @@ _RANGES = {
 def _classes() -> Iterator[type]:
     for found in pkgutil.iter_modules(messages.__path__):
         module = import_module(f"{messages.__name__}.{found.name}")
-        for one in vars(module).values():
+        for one in (getattr(module, name) for name in module.__all__):
             if ros_type(one) and one.__module__ == module.__name__:
                 yield one
 

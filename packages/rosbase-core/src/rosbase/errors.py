@@ -7,6 +7,11 @@ RosbaseError
 │   ├── NotInstalledError         no such backend, transport or preset
 │   └── MappingError              a payload mapping that cannot be built
 ├── BackendError                  a topic used with two types, a closed backend
+├── ServiceError                  a service call without an answer, such as a cancelled one
+│   ├── ServiceTimeoutError       the service is absent, or too slow
+│   ├── ServiceFailedError        the service raised an exception, or went away
+│   ├── ServiceStoppedError       the program was asked to stop while the call waited
+│   └── ServiceDepthError         calls within calls, without an end
 ├── TransportError                the device or the link
 │   ├── DeviceNotFoundError       unplugged, or the wrong path
 │   ├── DevicePermissionError     the user may not open it
@@ -31,6 +36,11 @@ __all__ = [
     "ParameterError",
     "PluginError",
     "RosbaseError",
+    "ServiceDepthError",
+    "ServiceError",
+    "ServiceFailedError",
+    "ServiceStoppedError",
+    "ServiceTimeoutError",
     "TransitionNotAvailableError",
     "TransportError",
     "WireError",
@@ -59,6 +69,37 @@ class MappingError(ConfigurationError):
 
 class BackendError(RosbaseError):
     """The backend refuses: it is closed, or a topic has another message type."""
+
+
+class ServiceError(RosbaseError):
+    """A service call has no answer. The message is one line: the service, and the cause."""
+
+
+class ServiceTimeoutError(ServiceError):
+    """The service is absent, or has not answered in time."""
+
+
+class ServiceFailedError(ServiceError):
+    """The service raised an exception, or went away before it answered.
+
+    `reason` is the cause without the name of the service. If the service failed because it called
+    another one, it is the cause there.
+    """
+
+    def __init__(self, service_name: str, reason: str) -> None:
+        super().__init__(f"{service_name} failed: {reason}")
+        self.reason = reason
+
+
+class ServiceStoppedError(ServiceError):
+    """The program was asked to stop, which ends a call that waits.
+
+    Let it pass: the program ends with status 0, after its clean-up.
+    """
+
+
+class ServiceDepthError(ServiceError):
+    """As many calls wait within one another as may: services call each other in a circle."""
 
 
 class TransportError(RosbaseError):

@@ -6,7 +6,8 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 
 May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
 `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,
-`prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`.
+`prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`, `create_service`,
+`create_client`, `destroy_service`, `destroy_client`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
@@ -35,6 +36,13 @@ delivers messages published before. The messages of one publisher arrive in orde
 if the publisher is destroyed, or its backend closed, right after. Once the publisher has ended,
 `publish` and the senders made of it send nothing. That is no error, because another thread may
 have ended it.
+
+Services: names follow the rules for topics. A type is a class with the classes `Request` and
+`Response`. The spinning thread may call a service in any callback, also in the callback of a
+service. While it waits, it runs the calls from `executor.call_urgently`, and nothing else. So
+requests come by that, and an answer is set on the thread on which it arrives. Every call ends: with
+the answer, or with a ServiceError within its timeout, whatever the service does. An exception of a
+callback is logged, and the spinning goes on. A backend may have no services.
 
 Quality of service: a whole number means `QoSProfile(depth)`, as `rosbase.qos.as_profile` has it,
 and a backend may accept its own profiles too. A backend keeps each policy as follows:

@@ -1,4 +1,4 @@
-"""Names of topics and nodes, checked and resolved as ROS 2 does, for every backend.
+"""Names of topics, services and nodes, checked and resolved as ROS 2 does, for every backend.
 
 Sources: design.ros2.org/articles/topic_and_service_names; rcl (`validate_topic_name.c`,
 `expand_topic_name.c`); rmw (`validate_full_topic_name.c`, `validate_node_name.c`).
@@ -49,22 +49,23 @@ def _node_fault(name: str) -> str:
     return ""
 
 
-def resolve_topic(topic: str, node_name: str) -> str:
+def resolve_topic(topic: str, node_name: str, kind: str = "topic") -> str:
     """Return the full name: `imu/data` is `/imu/data`, `~/status` is `/<node_name>/status`.
 
     Args:
         topic: A relative, absolute (`/`) or private (`~/`) name. `{node}` and `{ns}` stand for
             the node and its namespace.
         node_name: The name of the node, its namespace in front if there is one.
+        kind: The kind of the name, for errors: the rules are the same for a `service`.
 
     Raises:
         BackendError: It is not a topic name; the message says why.
     """
     if not isinstance(topic, str):
-        raise BackendError(f"{topic!r} is not a topic name: it is not text")
+        raise BackendError(f"{topic!r} is not a {kind} name: it is not text")
     space, _, node = f"/{node_name}".rpartition("/")
     if fault := _given_fault(topic):
-        raise _not_a_name(topic, fault)
+        raise _not_a_name(topic, fault, kind)
     # As rcl has it: the root namespace is `/`.
     values = {"node": node, "ns": space or "/", "namespace": space or "/"}
     name = _SUBSTITUTION.sub(lambda found: values.get(found[1], found[0]), topic)
@@ -73,7 +74,7 @@ def resolve_topic(topic: str, node_name: str) -> str:
     elif not name.startswith("/"):
         name = f"{space}/{name}"
     if fault := _full_fault(name):
-        raise _not_a_name(topic, fault)
+        raise _not_a_name(topic, fault, kind)
     return name
 
 
@@ -104,8 +105,8 @@ def _full_fault(name: str) -> str:
     return ""
 
 
-def _not_a_name(topic: str, fault: str) -> BackendError:
-    return BackendError(f"{_shown(topic)} is not a topic name: {fault}")
+def _not_a_name(topic: str, fault: str, kind: str) -> BackendError:
+    return BackendError(f"{_shown(topic)} is not a {kind} name: {fault}")
 
 
 def _shown(name: str) -> str:

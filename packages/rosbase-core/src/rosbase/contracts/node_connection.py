@@ -11,10 +11,11 @@ from typing import Any, Protocol, TypeAlias, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
+from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
-from rosbase.wire import maker
 
 __all__ = ["NodeConnection", "Publisher", "Sender", "Subscription", "Timer"]
 
@@ -26,6 +27,8 @@ value: the caller has done so.
 """
 
 MessageT = TypeVar("MessageT")
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
 MessageT_contra = TypeVar("MessageT_contra", contravariant=True)
 
@@ -217,6 +220,41 @@ class NodeConnection(ABC):
     def timer_now_ns(self) -> int:
         """Return the time that timers follow, in nanoseconds."""
 
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service:
+        """Create a service: `callback` answers its requests, on the spinning thread.
+
+        `service_answer` has the rules of the callback. Hand each request to
+        `executor.call_urgently`, so that it is answered even while that thread waits for an
+        answer. An exception of the callback is logged, and the caller gets ServiceFailedError.
+
+        Raises:
+            BackendError: The service has another type, the name is invalid, or the backend is
+                closed or has no services.
+        """
+        raise BackendError(f"{srv_name}: this backend has no services")
+
+    def create_client(
+        self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Create a client of a service. `ServiceClient` has most of what one needs.
+
+        Raises:
+            BackendError: The service has another type, the name is invalid, or the backend is
+                closed or has no services.
+        """
+        raise BackendError(f"{srv_name}: this backend has no services")
+
+    def destroy_service(self, service: Service) -> None:  # noqa: B027 - nothing by default
+        """Destroy a service: requests that wait for it fail. Do nothing if it has ended."""
+
+    def destroy_client(self, client: Client[Any, Any]) -> None:  # noqa: B027 - likewise
+        """Destroy a client: its calls fail. Do nothing if it has ended."""
+
     def expose_lifecycle(self, node: ManagedNode) -> None:  # noqa: B027 - nothing by default
         """Let other programs see and drive the lifecycle of a node of this backend.
 
@@ -243,6 +281,9 @@ class NodeConnection(ABC):
             TypeError: The template is no message (see `rosbase.message`).
             ValueError: A path leads to no numbers.
         """
+        # Most programs prepare none, and need not import it.
+        from rosbase.wire import maker
+
         make, publish = maker(template, varying), publisher.publish
 
         def send(*values: Any) -> object:

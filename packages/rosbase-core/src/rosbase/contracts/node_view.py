@@ -14,6 +14,7 @@ from rosbase.contracts.node_connection import (
     Timer,
 )
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
+from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
@@ -21,6 +22,8 @@ from rosbase.qos import QoSProfile
 __all__ = ["NodeView"]
 
 MessageT = TypeVar("MessageT")
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
 
 
 class NodeView(NodeConnection):
@@ -76,6 +79,29 @@ class NodeView(NodeConnection):
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
         self._shared.destroy_subscription(subscription)
+
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service:
+        """Create a service."""
+        return self._shared.create_service(srv_type, self._own(srv_name, "service"), callback)
+
+    def create_client(
+        self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Create a client."""
+        return self._shared.create_client(srv_type, self._own(srv_name, "service"))
+
+    def destroy_service(self, service: Service) -> None:
+        """Destroy a service."""
+        self._shared.destroy_service(service)
+
+    def destroy_client(self, client: Client[Any, Any]) -> None:
+        """Destroy a client."""
+        self._shared.destroy_client(client)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
         """Create a timer."""
@@ -140,6 +166,6 @@ class NodeView(NodeConnection):
     def _inner(self, parameter: Parameter[Any]) -> Parameter[Any]:
         return Parameter(parameter.name.removeprefix(self._prefix), parameter.value)
 
-    def _own(self, topic: str) -> str:
-        """Return the topic to ask the shared connection for: `~` and `{node}` are this node's."""
-        return resolve_topic(topic, self.node_name) if self._is_lifecycle else topic
+    def _own(self, name: str, kind: str = "topic") -> str:
+        """Return the name to ask the shared connection for: `~` and `{node}` are this node's."""
+        return resolve_topic(name, self.node_name, kind) if self._is_lifecycle else name

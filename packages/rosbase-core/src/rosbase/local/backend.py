@@ -1,4 +1,4 @@
-"""The `local` backend: topics, timers and parameters within one process."""
+"""The `local` backend: topics, services, timers and parameters within one process."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
@@ -6,9 +6,13 @@ from typing import Any, TypeVar
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
+from rosbase.contracts.service_callback import check_service_type, service_answer
+from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.errors import BackendError
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
+from rosbase.local.service_endpoints import LocalClient, LocalService
+from rosbase.local.service_registry import type_name
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
@@ -16,6 +20,8 @@ from rosbase.qos import QoSProfile, as_profile
 __all__ = ["LocalBackend"]
 
 MessageT = TypeVar("MessageT")
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
 
 
 class LocalBackend(Backend):
@@ -28,10 +34,12 @@ class LocalBackend(Backend):
         super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
-        logger = make_logger(options.node_name, None, options.clock)
+        self._logger = logger = make_logger(options.node_name, None, options.clock)
         self._parameters = ParameterStore(options.parameter_overrides, logger.error, self.call_soon)
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
+        self._services: list[LocalService] = []
+        self._clients: list[LocalClient[Any, Any]] = []
         self._closed = False
         if options.parameter_overrides:
             # When the constructors have declared their parameters.
@@ -76,6 +84,46 @@ class LocalBackend(Backend):
             self._subscriptions.remove(subscription)
             self._bus.remove_subscription(subscription)
 
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service:
+        """Create a service; in one process, each has a name of its own."""
+        check_service_type(srv_type, srv_name)
+        name = self._check(srv_name, "service")
+        answer = service_answer(srv_type, name, callback)
+        service = LocalService(name, answer, self.executor, self._logger)
+        self._bus.services.add_provider(name, type_name(srv_type), service)
+        self._services.append(service)
+        return service
+
+    def create_client(
+        self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Create a client of a service."""
+        check_service_type(srv_type, srv_name)
+        name, services = self._check(srv_name, "service"), self._bus.services
+        client = LocalClient(srv_type, name, self.executor, services)
+        services.add_client(name, type_name(srv_type), client.changed)
+        self._clients.append(client)
+        return client
+
+    def destroy_service(self, service: Service) -> None:
+        """Destroy a service."""
+        if service in self._services:
+            self._services.remove(service)
+            self._bus.services.remove_provider(service.service_name, service)
+            service.close()
+
+    def destroy_client(self, client: Client[Any, Any]) -> None:
+        """Destroy a client."""
+        if client in self._clients:
+            self._clients.remove(client)
+            self._bus.services.remove_client(client.service_name, client.changed)
+            client.close()
+
     def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one."""
         return self._parameters.declare(spec)
@@ -103,9 +151,14 @@ class LocalBackend(Backend):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):
             self.destroy_subscription(subscription)
+        for service in list(self._services):
+            self.destroy_service(service)
+        for client in list(self._clients):
+            self.destroy_client(client)
         self.executor.close()
 
-    def _check(self, topic: str) -> str:
+    def _check(self, name: str, kind: str = "topic") -> str:
+        """Return the full name of a topic or a service."""
         if self._closed:
             raise BackendError("the backend is closed")
-        return resolve_topic(topic, self._options.node_name)
+        return resolve_topic(name, self._options.node_name, kind)

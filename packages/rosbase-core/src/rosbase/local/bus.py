@@ -1,4 +1,4 @@
-"""Topics within one process: every subscription gets the same message object.
+"""Topics and services within one process: every subscription gets the same message object.
 
 A link leads to another process. It subscribes here to the topics wanted there, and learns which
 topics are wanted here.
@@ -17,6 +17,7 @@ from rosbase.local.endpoints import (
     LocalSubscription,
     make_publisher,
 )
+from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile, mismatch
 
@@ -44,9 +45,11 @@ class _Topic:
 
 
 class Bus:
-    """All topics of a process, or of a test."""
+    """All topics and services of a process, or of a test."""
 
     def __init__(self) -> None:
+        self.services = ServiceRegistry()
+        """Its services."""
         self._topics: dict[str, _Topic] = {}
         self._links: tuple[BusLink, ...] = ()
         self._latched_numbers = count(1)

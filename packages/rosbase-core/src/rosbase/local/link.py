@@ -1,11 +1,11 @@
-"""Topics shared with one other process of this machine: a manager's, or its child's.
+"""Topics and services shared with one other process of this machine: a manager's, or its child's.
 
-Each side tells the other its subscriptions, and sends only messages for those. Both ends are the
-same. The publisher's side decides whether a subscription matches, and which messages are kept for
-it. Arriving data is unpickled, and unpickling may run any code. So a link is only for processes
-that trust each other completely: a program and its own children. Unreadable data ends the link.
-That protects against a mistake, such as a write to the wrong descriptor, and not against an
-attack.
+Each side tells the other its subscriptions, and sends only messages for those; `service_link` has
+the part about services. Both ends are the same. The publisher's side decides whether a subscription
+matches, and which messages are kept for it. Arriving data is unpickled, and unpickling may run any
+code. So a link is only for processes that trust each other completely: a program and its own
+children. Unreadable data ends the link. That protects against a mistake, such as a write to the
+wrong descriptor, and not against an attack.
 """
 
 import logging
@@ -22,6 +22,7 @@ from typing import Any
 from rosbase.clock import SystemClock
 from rosbase.local.bus import Bus
 from rosbase.local.endpoints import Channel, LocalSubscription
+from rosbase.local.service_link import Kinds, ServiceLink
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile
 from rosbase.runtime.executor import Executor
@@ -77,22 +78,25 @@ class Link:
         self._records_left_out = 0
         self._wanted_there: dict[tuple[str, Channel], LocalSubscription] = {}
         self._wanted_here: dict[tuple[str, Channel], QoSProfile] = {}
-        # What the other end may say: what is done then, and with values of which types.
-        self._kinds: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {
+        self._services = ServiceLink(bus.services, self._try_send, self._executor.call_soon)
+        # What the other end may say.
+        self._kinds: Kinds = {
             "message": (self._take_message, (str, (str, int), object)),
             "record": (self._take_record, (int, str)),
             "want": (self._take_want, (str, type, (str, int), (QoSProfile, NoneType))),
+            **self._services.kinds,
         }
         self._sender = self._thread("send", self._send_all)
         self._receiver = self._thread("receive", self._receive_all)
 
     def start(self, *first: Any) -> None:
-        """Start sharing topics; before that, the other end gets `first`, one by one."""
+        """Start to share; before that, the other end gets `first`, one by one."""
         for value in first:
             self._executor.call_soon(partial(self._send_bytes, pickle.dumps(value)))
         self._sender.start()
         self._receiver.start()
         self._bus.add_link(self)
+        self._services.start()
 
     def audience_changed(
         self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None
@@ -134,6 +138,7 @@ class Link:
                 if thread.is_alive():
                     thread.join()
             self._connection.close()
+        self._services.close()
         for subscription in self._wanted_there.values():
             self._bus.remove_subscription(subscription)
         self._wanted_there.clear()
@@ -156,17 +161,21 @@ class Link:
         self._executor.call_soon(partial(self._send, *values))
 
     def _send(self, *values: Any) -> None:
+        if reason := self._try_send(*values):
+            self._report(reason)
+
+    def _try_send(self, *values: Any) -> str:
+        """Send the values; return the reason if that cannot be done."""
         try:
             data = pickle.dumps(values, pickle.HIGHEST_PROTOCOL)
         except Exception as error:
-            self._report(f"cannot send {values[0]} {values[1]}: {_text(error)}")
-            return
+            return f"cannot send {values[0]} {values[1]}: {_text(error)}"
+        if len(data) > _MOST_BYTES:
+            return f"cannot send a message of {len(data)} bytes: the most is {_MOST_BYTES}"
         self._send_bytes(data)
+        return ""
 
     def _send_bytes(self, data: bytes) -> None:
-        if len(data) > _MOST_BYTES:
-            self._report(f"cannot send a message of {len(data)} bytes: the most is {_MOST_BYTES}")
-            return
         try:
             self._connection.send_bytes(data)
         except OSError:
@@ -189,6 +198,9 @@ class Link:
             # The other end is gone, and whoever started it says so; or its bytes are no message.
             if not self._connection.closed and not self._connection.readable:
                 self._unreadable(f"it announces a message of more than {_MOST_BYTES} bytes")
+        finally:
+            # Nobody needs to wait for answers of the other end any more.
+            self._services.close()
 
     def _take(self, data: bytes) -> bool:
         """Handle a message; return False if nothing more may be received."""

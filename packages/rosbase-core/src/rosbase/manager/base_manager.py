@@ -357,14 +357,16 @@ class BaseManager(Constructed):
         )
         if self.backend.is_in_virtual_time:
             # The signals of a test are its runner's.
-            with limit_real_time(self.backend.executor.clock, self.backend.call_soon):
+            executor = self.backend.executor
+            with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(processes, None)
             return
-        with stop_on_signals(self.request_stop, self.backend.call_soon) as stop:
+        with stop_on_signals(self.request_stop, self.backend.executor.call_urgently) as stop:
             self._run(processes, stop)
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         try:
+            self.backend.executor.begin(self._is_stopping)
             self.backend.begin_run(self.request_stop)
             # Again, because some may be attributes that were set after the constructor.
             check_methods(self, _PLAIN_METHODS)
@@ -497,6 +499,7 @@ class BaseManager(Constructed):
     def _shut_down(
         self, processes: ChildProcesses | None, stop: StopSignals | None
     ) -> BaseException | None:
+        self.backend.executor.begin_clean_up()
         if self._processes is not None:
             self._processes.stopping_soon()
         return run_steps(

@@ -170,14 +170,28 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
         setattr(cls, _ROS_TYPE, name)
         if _may_have_buffers(cls):
             make_picklable(cls)
+        # The file that a message of ours is in is nobody's business.
+        home, _, file = cls.__module__.rpartition(".")
+        if home.startswith("rosbase.messages.") and file.startswith("_"):
+            cls.__module__ = home
         return cls
 
     return declare
 
 
 def ros_type(cls: Any) -> str | None:
-    """Return the ROS name of a message class; None if it has none."""
-    return vars(cls).get(_ROS_TYPE) if isinstance(cls, type) else None
+    """Return the ROS name of a message class; None if it has none.
+
+    A subclass has that of its base, unless it has fields of its own.
+    """
+    for one in cls.__mro__ if isinstance(cls, type) else ():
+        own = vars(one)
+        if _ROS_TYPE in own:
+            name: str = own[_ROS_TYPE]
+            return name
+        if "__attrs_attrs__" in own or "__dataclass_fields__" in own:
+            break
+    return None
 
 
 def is_frozen(cls: type) -> bool:

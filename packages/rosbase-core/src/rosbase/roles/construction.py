@@ -53,7 +53,8 @@ def constructor(init: InitT) -> InitT:
             if _is_in_virtual_time(kwargs.get("backend")):
                 _construct(self, None, lambda: init(self, *args, **kwargs))
                 return
-            with stop_on_signals(_nothing, yields_to_outer=True) as stop:
+            defer = functools.partial(_defer, self)
+            with stop_on_signals(_nothing, defer, yields_to_outer=True) as stop:
                 _construct(self, stop, lambda: init(self, *args, **kwargs))
             if stop.was_asked:
                 # It came while the handlers from before were put back.
@@ -97,6 +98,13 @@ def _undo(constructed: Constructed, stop: StopSignals | None) -> None:
 
 def _is_in_virtual_time(backend: object) -> bool:
     return isinstance(backend, Backend) and backend.is_in_virtual_time
+
+
+def _defer(constructed: Constructed, function: Callable[[], object]) -> None:
+    """Run it in a call of a service for which the constructor waits, if it does."""
+    backend = constructed.__dict__.get("backend") or constructed.__dict__.get("_backend")
+    if isinstance(backend, Backend):
+        backend.executor.call_urgently(function)
 
 
 def _nothing() -> None:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 from rosbase.contracts.backend import Publisher
 from rosbase.contracts.parameter_store import OnSetParameters, refused
-from rosbase.errors import TransitionNotAvailableError
+from rosbase.errors import ServiceStoppedError, TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
@@ -393,7 +393,7 @@ class LifecycleNode(BaseNode):
                 self._report("a transition listener", error)
 
     def _report(self, who: str, error: BaseException) -> None:
-        if isinstance(error, Exception):
+        if isinstance(error, Exception) and not isinstance(error, ServiceStoppedError):
             self.logger.error(f"{self._prefix}{who} raised {_described(error)}", exc_info=error)
         else:
             self._interrupt = self._interrupt or error

@@ -9,6 +9,7 @@ from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.errors import ParameterError
 from rosbase.parameters import (
     Parameter,
@@ -31,6 +32,8 @@ from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signa
 __all__ = ["BaseNode"]
 
 MessageT = TypeVar("MessageT")
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
 ValueT = TypeVar("ValueT", bound=ParameterValue)
 
 _NS_PER_S = 1_000_000_000
@@ -114,6 +117,35 @@ class BaseNode(Constructed, Component):
         check_callback(callback, f"the subscription to {topic}")
         return self._connection.create_subscription(msg_type, topic, callback, qos_profile)
 
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service:
+        """Create a service: `callback` answers its requests, on the main-loop thread.
+
+        It is called even while that thread waits for the answer of another service. If it raises
+        an exception, the log has it, and the caller gets a `ServiceFailedError`.
+
+        Args:
+            srv_type: A class with the classes `Request` and `Response`.
+            srv_name: Its name, resolved as that of a topic.
+            callback: `callback(request, response)` as in rclpy, or `callback(request)`. It returns
+                a `Response`.
+
+        Raises:
+            TypeError: The callback cannot be called, or is async or a generator.
+        """
+        check_callback(callback, f"the service {srv_name}")
+        return self._connection.create_service(srv_type, srv_name, callback)
+
+    def create_client(
+        self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Create a client of a service: `client.call(request)` returns the answer."""
+        return self._connection.create_client(srv_type, srv_name)
+
     def create_timer(self, timer_period_sec: float, callback: Callable[[], object]) -> Timer:
         """Create a timer: `callback()` is called on the main-loop thread, once per period.
 
@@ -145,6 +177,14 @@ class BaseNode(Constructed, Component):
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription: its callback is not called again."""
         self._connection.destroy_subscription(subscription)
+
+    def destroy_service(self, service: Service) -> None:
+        """Destroy a service: requests that wait for it fail."""
+        self._connection.destroy_service(service)
+
+    def destroy_client(self, client: Client[Any, Any]) -> None:
+        """Destroy a client: its calls fail."""
+        self._connection.destroy_client(client)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer."""
@@ -225,10 +265,11 @@ class BaseNode(Constructed, Component):
             raise RuntimeError("a node with a manager is run by the manager")
         if self._backend.is_in_virtual_time:
             # The signals of a test are its runner's.
-            with limit_real_time(self._backend.executor.clock, self._backend.call_soon):
+            executor = self._backend.executor
+            with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(None)
             return
-        with stop_on_signals(self._request_stop, self._backend.call_soon) as stop:
+        with stop_on_signals(self._request_stop, self._backend.executor.call_urgently) as stop:
             self._run(stop)
 
     def request_stop(self) -> None:
@@ -291,6 +332,7 @@ class BaseNode(Constructed, Component):
 
     def _run(self, stop: StopSignals | None) -> None:
         try:
+            self._backend.executor.begin(lambda: self._stop_requested)
             self._backend.begin_run(self._request_stop)
             self._begin()
             self._name_undeclared()
@@ -319,6 +361,7 @@ class BaseNode(Constructed, Component):
         """Clean up a standalone node after it was spun."""
 
     def _shut_down(self, stop: StopSignals | None) -> BaseException | None:
+        self._backend.executor.begin_clean_up()
         return run_steps(
             [
                 ("lifecycle", self._end),

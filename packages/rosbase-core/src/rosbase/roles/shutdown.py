@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
+from rosbase.errors import ServiceStoppedError
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.stopping import StopSignals
 
@@ -56,6 +57,8 @@ def run_steps(
 
 def is_wish(error: BaseException, stop: StopSignals | None) -> bool:
     """Return whether an exception is a request to stop that ended blocking code."""
+    if isinstance(error, ServiceStoppedError):
+        return True
     return isinstance(error, KeyboardInterrupt) and stop is not None and stop.came_from_outside
 
 

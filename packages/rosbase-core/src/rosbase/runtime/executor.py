@@ -1,10 +1,15 @@
-"""Run callbacks on one thread: calls from other threads, and timers."""
+"""Run callbacks on one thread: calls from other threads, and timers.
+
+Urgent calls are the ones that also run while that thread waits for something in one of its
+callbacks (`wait`), such as the answer of a service. All others wait until it spins again.
+"""
 
 import heapq
 import threading
 from collections import deque
 from collections.abc import Callable
 from itertools import count
+from threading import get_ident
 
 from rosbase.clock import Clock
 from rosbase.errors import BackendError
@@ -14,6 +19,7 @@ __all__ = ["Executor", "ExecutorTimer"]
 _NS_PER_S = 1_000_000_000
 _FEW_ENTRIES = 64
 _LONGEST_S = 1e6
+_FOR_EVER_NS = 1 << 62
 
 
 class ExecutorTimer:
@@ -53,16 +59,22 @@ class Executor:
     """A queue of calls and a heap of timers; one thread runs both."""
 
     __slots__ = (
+        "_cleans_up",
         "_closed",
         "_compact_at",
         "_monotonic_ns",
         "_owes_a_call",
         "_serials",
         "_sleeping",
+        "_stopping",
+        "_thread_id",
         "_timer_lock",
+        "_urgent",
         "_wait",
+        "_waits_end_ns",
         "_wakeup",
         "clock",
+        "depth",
         "ready",
         "timers",
     )
@@ -85,6 +97,39 @@ class Executor:
         self._wait = clock.waiter(self._wakeup)
         self._sleeping = False
         self._closed = False
+        self._urgent: deque[Callable[[], object]] = deque()
+        self.depth = 0
+        """Number of waits in progress, each within a callback that runs in the one before."""
+        self._waits_end_ns = _FOR_EVER_NS
+        # Until somebody spins, whoever has made it.
+        self._thread_id = get_ident()
+        self._stopping: Callable[[], object] = _never
+        self._cleans_up = False
+
+    @property
+    def is_on_own_thread(self) -> bool:
+        """Whether the caller is on the thread that spins, or that has made this executor.
+
+        A thread counts as spinning from its first `spin_until`, or `spin_once` with nothing to run.
+        """
+        return self._thread_id == get_ident()
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the program was asked to stop, so that nobody should wait any more.
+
+        On the spinning thread it is false again during the clean-up.
+        """
+        return bool(self._stopping()) and not (self._cleans_up and self.is_on_own_thread)
+
+    def begin(self, stopping: Callable[[], object]) -> None:
+        """Note that this thread runs the program until `stopping` returns true."""
+        self._thread_id = get_ident()
+        self._stopping, self._cleans_up = stopping, False
+
+    def begin_clean_up(self) -> None:
+        """Let the spinning thread wait again, although the program is stopping."""
+        self._cleans_up = True
 
     def call_soon(self, function: Callable[[], object]) -> None:
         """Queue a call. It takes no lock, so that a signal handler may do it too."""
@@ -95,6 +140,48 @@ class Executor:
             except RuntimeError:
                 # Somebody else has just done it.
                 pass
+
+    def call_urgently(self, function: Callable[[], object]) -> None:
+        """Queue a call that runs even during `wait`. It takes no lock, as `call_soon`."""
+        self._urgent.append(function)
+        # While nobody waits, it takes its turn among the other calls.
+        self.call_soon(self._run_urgent)
+
+    def wake(self) -> None:
+        """End the sleep of the spinning thread, so that it looks again. Call it from anywhere."""
+        if self._sleeping:
+            try:
+                self._wakeup.release()
+            except RuntimeError:
+                # Somebody else has just done it.
+                pass
+
+    def wait(self, done: Callable[[], object], deadline_ns: int) -> None:
+        """Run urgent calls, and nothing else, until `done` returns true or the deadline.
+
+        For the spinning thread, in a callback. Whoever makes `done` true must also call `wake`. It
+        also returns when the program is to stop, and at the deadline of a wait around it.
+        """
+        outer_ns = self._waits_end_ns
+        self._waits_end_ns = deadline_ns = min(deadline_ns, outer_ns)
+        self.depth += 1
+        try:
+            while not done() and not self.is_stopping:
+                left_ns = deadline_ns - self._monotonic_ns()
+                if left_ns <= 0:
+                    return
+                if self._urgent:
+                    self._urgent.popleft()()
+                    continue
+                self._sleeping = True
+                # Looked at only now: whoever came before this line did not see us sleep.
+                if not (self._urgent or done() or self.is_stopping):
+                    self._wait(min(left_ns / _NS_PER_S, _LONGEST_S))
+                self._sleeping = False
+        finally:
+            self._sleeping = False
+            self._waits_end_ns = outer_ns
+            self.depth -= 1
 
     def create_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
         """Create a running timer; the first call is one period from now.
@@ -128,6 +215,8 @@ class Executor:
         """Run one call, waiting up to `timeout_s` for it; return whether there was one."""
         if self._run_one(self._monotonic_ns()):
             return True
+        # Not for each message, because it would cost a twentieth of one.
+        self._thread_id = get_ident()
         deadline_ns = self._monotonic_ns() + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
         while (left_ns := deadline_ns - self._monotonic_ns()) > 0:
             self._sleep(left_ns)
@@ -142,6 +231,7 @@ class Executor:
         each call.
         """
         monotonic_ns, ready = self._monotonic_ns, self.ready
+        self._thread_id = get_ident()
         # What is due now has its turn, also in a loop that is always late; what becomes due
         # meanwhile waits until after the next tick.
         now_ns = monotonic_ns()
@@ -162,10 +252,16 @@ class Executor:
     def close(self) -> None:
         """Drop all waiting calls; timers do not start again."""
         self.ready.clear()
+        self._urgent.clear()
         with self._timer_lock:
             self._closed = True
             for _, _, timer in self.timers:
                 timer.serial = None
+
+    def _run_urgent(self) -> None:
+        """Run an urgent call, unless a wait has run it."""
+        if self._urgent:
+            self._urgent.popleft()()
 
     def _run_one(self, due_ns: int) -> bool:
         """Run a call, or a timer that was due by then; return whether there was one."""
@@ -217,6 +313,11 @@ class Executor:
         if not self.ready and limit_ns > 0:
             self._wait(limit_ns / _NS_PER_S)
         self._sleeping = False
+
+
+def _never() -> bool:
+    """Return false: nobody has asked for a stop."""
+    return False
 
 
 def _nothing() -> None:

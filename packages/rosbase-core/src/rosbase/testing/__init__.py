@@ -10,7 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rosbase.testing.backend import virtual_backend
-    from rosbase.testing.backend_contract import BackendCapabilities, BackendContract
+    from rosbase.testing.backend_contract import (
+        BackendCapabilities,
+        BackendContract,
+        ServiceKind,
+    )
     from rosbase.testing.clock import ManualClock
     from rosbase.testing.faults import Faults
     from rosbase.testing.framer_contract import FramerContract
@@ -34,6 +38,7 @@ __all__ = [
     "RecordedLog",
     "RecordingSubscriber",
     "ScriptedTransport",
+    "ServiceKind",
     "TransportCapabilities",
     "TransportContract",
     "virtual_backend",
@@ -52,6 +57,7 @@ _HOMES = {
     "RecordedLog": "recorded_log",
     "RecordingSubscriber": "recording",
     "ScriptedTransport": "scripted_transport",
+    "ServiceKind": "backend_contract",
     "TransportCapabilities": "transport_kit.capabilities",
     "TransportContract": "transport_contract",
     "virtual_backend": "backend",

@@ -17,12 +17,13 @@ from rosbase.testing.backend_kit.opening import OpeningChecks
 from rosbase.testing.backend_kit.parameters import ParameterChecks
 from rosbase.testing.backend_kit.promises import PROMISES
 from rosbase.testing.backend_kit.quality import QualityChecks
-from rosbase.testing.backend_kit.rig import BackendCapabilities
+from rosbase.testing.backend_kit.rig import BackendCapabilities, ServiceKind
+from rosbase.testing.backend_kit.services import ServiceChecks
 from rosbase.testing.backend_kit.threads import ThreadChecks
 from rosbase.testing.backend_kit.timers import TimerChecks
 from rosbase.testing.backend_kit.topics import TopicChecks
 
-__all__ = ["BackendCapabilities", "BackendContract"]
+__all__ = ["BackendCapabilities", "BackendContract", "ServiceKind"]
 
 
 class BackendContract(
@@ -32,6 +33,7 @@ class BackendContract(
     QualityChecks,
     TimerChecks,
     ParameterChecks,
+    ServiceChecks,
     EndingChecks,
 ):
     """All checks of a backend. pytest runs a subclass whose name begins with `Test`.
@@ -39,7 +41,8 @@ class BackendContract(
     Must define: `make_backend(self, options)`.
 
     May define: `capabilities`, for the optional capabilities of the backend; `make_peer`,
-    if another backend of the same world is made in a different way; `patience_s`, on slow machines.
+    if another backend of the same world is made in a different way; `service_kind`, if it cannot
+    send classes of Python; `patience_s`, on slow machines.
     """
 
 

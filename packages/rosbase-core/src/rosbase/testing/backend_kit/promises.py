@@ -150,6 +150,80 @@ _SENTENCES = {
         " `rate` those of all; callbacks are asked about their own node only"
     ),
     "undeclared-parameters-are-errors": "An undeclared parameter is a ParameterError that names it",
+    # Services.
+    "services-answer": (
+        "Every request reaches the service of its name, written as `open` or `/open`, and its"
+        " answer the caller"
+    ),
+    "service-names-are-full": (
+        "`service_name` is the full name: `/open` for `open`, `/<node>/open` for `~/open`"
+    ),
+    "wrong-service-names-are-errors": (
+        "An invalid name of a service is a BackendError of one line that shows it"
+    ),
+    "wrong-service-types-are-errors": (
+        "A type without the classes Request and Response is a BackendError of one line that names"
+        " the service"
+    ),
+    "wrong-requests-are-errors": (
+        "A request of another class is a TypeError of one line that names the service, and nobody"
+        " receives it"
+    ),
+    "any-thread-may-call": (
+        "Several threads may call at once while another one spins: each gets its own answers"
+    ),
+    "callbacks-of-services-run-on-the-spinning-thread": (
+        "The callbacks of services, and of futures, run on the thread that spins, and only while"
+        " it spins or waits for an answer"
+    ),
+    "waiting-calls-let-services-run": (
+        "A callback may call a service of its own backend, also the callback of a service"
+    ),
+    "waiting-calls-let-nothing-else-run": (
+        "While the thread that spins waits for an answer, no message, timer or other call is"
+        " handled"
+    ),
+    "two-may-call-each-other": (
+        "Two that call each other at the same time, each on the thread that spins, get answers"
+    ),
+    "calls-are-limited-in-depth": (
+        "16 calls may wait, each in a callback that the one before runs; one more is a"
+        " ServiceDepthError"
+    ),
+    "absent-services-are-errors": (
+        "A call of an absent service is a ServiceTimeoutError at its timeout, and"
+        " wait_for_service returns False"
+    ),
+    "calls-wait-for-their-service": (
+        "A call whose service comes within the timeout gets its answer"
+    ),
+    "late-answers-are-dropped-and-counted": (
+        "A call whose answer is late is a ServiceTimeoutError, and the answer is dropped and"
+        " counted"
+    ),
+    "cancelled-calls-stay-so": "A cancelled call has no result, also if its answer still comes",
+    "failing-services-are-errors": (
+        "If the callback of a service raises, its caller gets a ServiceError within the timeout,"
+        " and the service goes on"
+    ),
+    "services-that-go-away-are-errors": (
+        "If a service is destroyed before it answers, its caller gets a ServiceError within the"
+        " timeout"
+    ),
+    "inner-calls-keep-to-the-time-of-outer-ones": (
+        "A call in a callback that a waiting call runs does not last longer than that one may"
+    ),
+    "stops-end-calls": (
+        "A request to stop ends a call that waits on the thread that spins with a"
+        " ServiceStoppedError"
+    ),
+    "destroyed-clients-end-their-calls": (
+        "The calls of a destroyed client fail with a ServiceError, and so do new ones"
+    ),
+    "closed-backends-end-services": (
+        "After close, calls fail, services answer nothing, destroying is harmless, and creating is"
+        " a BackendError"
+    ),
     # The end.
     "destroyed-subscriptions-are-silent": (
         "A destroyed subscription makes no calls, also for messages that already waited"

@@ -4,6 +4,7 @@ import os
 import threading
 from collections.abc import Callable, Iterable
 from itertools import count
+from operator import attrgetter
 from typing import Any
 
 import pytest
@@ -18,7 +19,7 @@ from rosbase.testing.backend_kit.promises import promise
 from rosbase.testing.promise import BrokenPromiseError, Promise
 from rosbase.testing.seen import raised
 
-__all__ = ["BackendCapabilities", "BackendRig", "Listener", "Talker"]
+__all__ = ["BackendCapabilities", "BackendRig", "Listener", "ServiceKind", "Talker"]
 
 _CLOCK = SystemClock()
 _NS_PER_S = 1_000_000_000
@@ -40,6 +41,38 @@ class BackendCapabilities:
     """It uses `BackendOptions.clock`, so that tests can run in virtual time."""
     has_log_handler: bool = False
     """It receives the log of its manager or standalone node."""
+    has_services: bool = False
+    """It has services and clients."""
+
+
+class Number:
+    """A type of services that answers a number with a number."""
+
+    @frozen
+    class Request:
+        """Request of a number."""
+
+        number: int = 0
+
+    @frozen
+    class Response:
+        """Answer."""
+
+        number: int = 0
+
+
+@frozen
+class ServiceKind:
+    """A type of services for the checks: requests and answers that carry a number up to 1000."""
+
+    srv_type: Any = Number
+    """The type."""
+    request: Callable[[int], Any] = Number.Request
+    """Makes a request of a number."""
+    response: Callable[[int], Any] = Number.Response
+    """Makes an answer of a number."""
+    number: Callable[[Any], int] = attrgetter("number")
+    """Returns the number of a request or an answer."""
 
 
 class Talker:
@@ -84,6 +117,8 @@ class BackendRig:
 
     capabilities = BackendCapabilities()
     """Declared capabilities of the backend."""
+    service_kind = ServiceKind()
+    """Type of the services. Set another one if the backend cannot send classes of Python."""
     patience_s = 5.0
     """Timeout for events that should come at once, in seconds."""
 

@@ -1,0 +1,197 @@
+"""Base class of the clients of backends: waits, timeouts, and answers that come too late."""
+
+import math
+import threading
+from abc import ABC, abstractmethod
+from typing import Any, Generic, TypeVar
+
+from rosbase.contracts.service_call import ServiceCall
+from rosbase.contracts.services import ServiceType
+from rosbase.errors import (
+    ServiceDepthError,
+    ServiceError,
+    ServiceStoppedError,
+    ServiceTimeoutError,
+)
+from rosbase.runtime.executor import Executor
+from rosbase.runtime.waiting import Waiting
+
+__all__ = ["DEFAULT_TIMEOUT_S", "MOST_CALLS_DEEP", "ServiceClient"]
+
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
+
+DEFAULT_TIMEOUT_S = 5.0
+"""Seconds that a call waits for the service and its answer, unless it is told otherwise."""
+
+MOST_CALLS_DEEP = 16
+"""Number of calls that may wait on one thread, each in a callback that the one before runs."""
+
+_LONGEST_S = 1e6
+_LOOK_S = 0.1
+
+
+class ServiceClient(ABC, Generic[RequestT, ResponseT]):
+    """A client of a service, but for what depends on the backend.
+
+    Must implement: `send`, `service_is_ready`. Call `changed` when the service comes or goes.
+    """
+
+    def __init__(
+        self, srv_type: ServiceType[RequestT, ResponseT], service_name: str, executor: Executor
+    ) -> None:
+        """Prepare a client.
+
+        Args:
+            srv_type: Type of the service.
+            service_name: Its full name.
+            executor: The executor of the backend.
+        """
+        self._request_type: Any = srv_type.Request
+        self._type_name = getattr(srv_type, "__name__", str(srv_type))
+        self._name = service_name
+        self._executor = executor
+        self._waiting = Waiting(executor)
+        self._pending: set[ServiceCall[Any, Any]] = set()
+        self._dropped = 0
+        self._drop_lock = threading.Lock()
+        self._is_closed = False
+
+    @abstractmethod
+    def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
+        """Send the request of a call as soon as the service is there; do not wait for it.
+
+        Called on any thread. The answer goes to `call.set_result`, and a failure to
+        `call.set_exception`, from any thread. Nothing needs to be sent any more once the call is
+        `done`.
+        """
+
+    @abstractmethod
+    def service_is_ready(self) -> bool:
+        """Return whether the service is there."""
+
+    def changed(self) -> None:
+        """Look again whether the service is there. Call it from any thread."""
+        self._waiting.changed()
+
+    def close(self) -> None:
+        """Let all calls that are under way fail, and all later ones. Idempotent."""
+        self._is_closed = True
+        for call in list(self._pending):
+            call.expire(self._closed_error())
+
+    @property
+    def service_name(self) -> str:
+        """Full name of the service."""
+        return self._name
+
+    @property
+    def dropped(self) -> int:
+        """Number of answers that came after the end of their call."""
+        return self._dropped
+
+    def call(self, request: RequestT, timeout_s: float = DEFAULT_TIMEOUT_S) -> ResponseT:
+        """Send a request, wait for the answer, and return it."""
+        self._check_wait(timeout_s)
+        call = self._begin(request)
+        try:
+            self.send(call)
+            waited_s = self._waiting.wait(call.done, timeout_s)
+            if not call.done():
+                call.expire(self._end_of_wait(waited_s, timeout_s))
+            if call.exception() is not None:
+                # Perhaps because a service of this program has just been ended by it.
+                self._check_stop()
+            return call.result()
+        finally:
+            # Such as after a KeyboardInterrupt.
+            call.cancel()
+
+    def call_async(
+        self, request: RequestT, timeout_s: float = DEFAULT_TIMEOUT_S
+    ) -> ServiceCall[RequestT, ResponseT]:
+        """Send a request, and return a future of its answer."""
+        _check_timeout(timeout_s)
+        call = self._begin(request)
+        if timeout_s < _LONGEST_S:
+            timeout_ns = max(1, int(timeout_s * 1e9))
+            call.expire_after(timeout_ns, lambda: self._timeout_error(timeout_s))
+        self.send(call)
+        return call
+
+    def wait_for_service(self, timeout_s: float = DEFAULT_TIMEOUT_S) -> bool:
+        """Wait until the service is there; return whether it is."""
+        self._check_wait(timeout_s)
+        left_s = timeout_s
+        while left_s > 0 and not self.service_is_ready():
+            # In slices: some backends are not told when a service comes.
+            slice_s = min(left_s, _LOOK_S)
+            waited_s = self._waiting.wait(self.service_is_ready, slice_s)
+            self._check_stop()
+            if waited_s < slice_s / 2:
+                # It is there, or the time of a call around this one is up.
+                break
+            left_s -= waited_s
+        return self.service_is_ready()
+
+    def _begin(self, request: RequestT) -> ServiceCall[RequestT, ResponseT]:
+        if not isinstance(request, self._request_type):
+            raise TypeError(
+                f"{self._name} takes {self._type_name}.Request, not {type(request).__name__}"
+            )
+        call: ServiceCall[RequestT, ResponseT] = ServiceCall(
+            self._name, request, self._executor, self._ended, self._count_late
+        )
+        self._pending.add(call)
+        # Looked at only now: whoever closes it afterwards finds the call.
+        if self._is_closed:
+            call.cancel()
+            raise self._closed_error()
+        return call
+
+    def _ended(self, call: ServiceCall[Any, Any]) -> None:
+        self._pending.discard(call)
+        self._waiting.changed()
+
+    def _count_late(self) -> None:
+        with self._drop_lock:
+            self._dropped += 1
+
+    def _check_wait(self, timeout_s: float) -> None:
+        """Refuse a wait that must not begin."""
+        _check_timeout(timeout_s)
+        self._check_stop()
+        executor = self._executor
+        if executor.depth >= MOST_CALLS_DEEP and executor.is_on_own_thread:
+            raise ServiceDepthError(
+                f"{self._name}: {MOST_CALLS_DEEP} calls wait already, each within another;"
+                " do services call each other in a circle?"
+            )
+
+    def _check_stop(self) -> None:
+        if self._executor.is_stopping:
+            raise self._stopped_error()
+
+    def _end_of_wait(self, waited_s: float, timeout_s: float) -> ServiceError:
+        """Return the error of a call that has waited in vain."""
+        if self._executor.is_stopping:
+            return self._stopped_error()
+        # Not after the whole timeout: a call around it has come to its own.
+        is_cut = waited_s < 0.99 * min(timeout_s, _LONGEST_S) and self._executor.depth > 0
+        return self._timeout_error(waited_s if is_cut else timeout_s, is_cut=is_cut)
+
+    def _timeout_error(self, waited_s: float, *, is_cut: bool = False) -> ServiceTimeoutError:
+        what = "no answer" if self.service_is_ready() else "no such service"
+        why = ", all that was left of the call that waits for this one" if is_cut else ""
+        return ServiceTimeoutError(f"{self._name}: {what} after {waited_s:.3g} s{why}")
+
+    def _stopped_error(self) -> ServiceStoppedError:
+        return ServiceStoppedError(f"{self._name}: the program was asked to stop")
+
+    def _closed_error(self) -> ServiceError:
+        return ServiceError(f"{self._name}: the client has been destroyed")
+
+
+def _check_timeout(timeout_s: float) -> None:
+    if math.isnan(timeout_s) or timeout_s < 0:
+        raise ValueError(f"a timeout is a number of seconds from 0 up, not {timeout_s!r}")

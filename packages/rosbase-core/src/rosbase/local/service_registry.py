@@ -1,0 +1,204 @@
+"""Services within one process, by name: their providers, clients, and requests without a provider.
+
+A link leads to another process: it provides the services there, and learns which are here.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from attrs import define, field
+
+from rosbase.errors import BackendError, ServiceError, ServiceFailedError
+
+__all__ = ["GONE", "Provider", "Request", "ServiceLinkEnd", "ServiceRegistry", "type_name"]
+
+GONE = "it went away before it answered"
+"""Reason of a call that fails because the service has ended."""
+
+
+class Request(Protocol):
+    """A request, and the place for its answer."""
+
+    request: Any
+
+    def done(self) -> bool:
+        """Return whether nobody waits for the answer any more."""
+        ...
+
+    def set_result(self, response: Any) -> bool:
+        """Set the answer; return False if nobody waits for it."""
+        ...
+
+    def set_exception(self, error: ServiceError) -> bool:
+        """Set an error instead; return False if nobody waits for it."""
+        ...
+
+
+class Provider(Protocol):
+    """A service of this process, or of another one behind a link."""
+
+    def take(self, call: Request) -> None:
+        """Answer the request soon. Called on any thread."""
+        ...
+
+
+class ServiceLinkEnd(Protocol):
+    """Interface through which the registry informs a link."""
+
+    def service_changed(self, name: str, type_name: str, *, is_there: bool) -> None:
+        """Note that a service that is not the other side's own has come or gone."""
+        ...
+
+
+@define(eq=False)
+class _Service:
+    """What goes by one name."""
+
+    type_name: str
+    # Those of this process first.
+    providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
+    clients: tuple[Callable[[], object], ...] = ()
+    waiting: deque[Request] = field(factory=deque)
+
+    def provider_for(self, asking: ServiceLinkEnd | None) -> Provider | None:
+        """Return the first that is not on the side of the process that asks."""
+        for provider, link in self.providers:
+            if link is None or link is not asking:
+                return provider
+        return None
+
+
+class ServiceRegistry:
+    """All services of a process, or of a test."""
+
+    def __init__(self) -> None:
+        self._services: dict[str, _Service] = {}
+        self._links: tuple[ServiceLinkEnd, ...] = ()
+        self._lock = threading.Lock()
+
+    def add_provider(
+        self, name: str, kind: str, provider: Provider, link: ServiceLinkEnd | None = None
+    ) -> None:
+        """Add a service: it gets the requests that wait for it, and new ones from now on.
+
+        Args:
+            name: Full name of the service.
+            kind: Its type (`type_name`).
+            provider: Whoever answers the requests.
+            link: The link behind which it is, if it is in another process.
+
+        Raises:
+            BackendError: The name has another type, or a service of this process already.
+        """
+        with self._lock:
+            service = self._enter(name, kind)
+            if link is None and any(other is None for _, other in service.providers):
+                raise BackendError(f"there is a service {name} in this process already")
+            found = (*service.providers, (provider, link))
+            service.providers = tuple(sorted(found, key=lambda entry: entry[1] is not None))
+            waiting, service.waiting = service.waiting, deque()
+            clients = service.clients
+            self._tell_links(name, service)
+        for call in waiting:
+            provider.take(call)
+        for changed in clients:
+            changed()
+
+    def remove_provider(self, name: str, provider: Provider) -> None:
+        """Remove a service from `add_provider`."""
+        with self._lock:
+            service = self._services[name]
+            service.providers = tuple(p for p in service.providers if p[0] is not provider)
+            self._tell_links(name, service)
+            self._leave(name)
+
+    def add_client(self, name: str, kind: str, changed: Callable[[], object]) -> None:
+        """Add a client: `changed` is called when a service of that name comes.
+
+        Raises:
+            BackendError: The name has another type.
+        """
+        with self._lock:
+            service = self._enter(name, kind)
+            service.clients = (*service.clients, changed)
+
+    def remove_client(self, name: str, changed: Callable[[], object]) -> None:
+        """Remove a client from `add_client`."""
+        with self._lock:
+            service = self._services[name]
+            service.clients = tuple(other for other in service.clients if other != changed)
+            self._leave(name)
+
+    def is_served(self, name: str) -> bool:
+        """Return whether there is a service of that name."""
+        service = self._services.get(name)
+        return service is not None and bool(service.providers)
+
+    def send(self, name: str, call: Request) -> None:
+        """Hand the request of a client to the service, now or when there is one."""
+        with self._lock:
+            service = self._services.get(name)
+            provider = service.provider_for(None) if service else None
+            if service is not None and provider is None:
+                while service.waiting and service.waiting[0].done():
+                    service.waiting.popleft()
+                service.waiting.append(call)
+        if provider is not None:
+            provider.take(call)
+
+    def send_from(self, link: ServiceLinkEnd, name: str, call: Request) -> None:
+        """Hand a request of another process to the service."""
+        with self._lock:
+            service = self._services.get(name)
+            provider = service.provider_for(link) if service else None
+        if provider is None:
+            # It was there when the other process sent the request.
+            call.set_exception(ServiceFailedError(name, GONE))
+        else:
+            provider.take(call)
+
+    def add_link(self, link: ServiceLinkEnd) -> None:
+        """Tell the link which services are here, now and from now on."""
+        with self._lock:
+            self._links = (*self._links, link)
+            for name, service in self._services.items():
+                _tell(link, name, service)
+
+    def remove_link(self, link: ServiceLinkEnd) -> None:
+        """Stop telling the link. It must remove its own services."""
+        with self._lock:
+            self._links = tuple(other for other in self._links if other is not link)
+
+    def _tell_links(self, name: str, service: _Service) -> None:
+        for link in self._links:
+            _tell(link, name, service)
+
+    def _enter(self, name: str, kind: str) -> _Service:
+        service = self._services.get(name)
+        if service is None:
+            service = self._services[name] = _Service(kind)
+        if service.type_name != kind:
+            known, other = (text.rpartition(".")[2] for text in (service.type_name, kind))
+            raise BackendError(
+                f"service {name} is of type {known}, so it cannot be of type {other}"
+            )
+        return service
+
+    def _leave(self, name: str) -> None:
+        service = self._services[name]
+        if not service.providers and not service.clients:
+            del self._services[name]
+
+
+def type_name(srv_type: Any) -> str:
+    """Return the name by which two processes compare a type, without importing it."""
+    # The child of a program knows the program's main module by another name.
+    module = srv_type.__module__.replace("__mp_main__", "__main__")
+    return f"{module}.{srv_type.__qualname__}"
+
+
+def _tell(link: ServiceLinkEnd, name: str, service: _Service) -> None:
+    is_there = service.provider_for(link) is not None
+    link.service_changed(name, service.type_name, is_there=is_there)
