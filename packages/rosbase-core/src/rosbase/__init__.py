@@ -134,6 +134,7 @@ if TYPE_CHECKING:
         Reject,
         TimeMapping,
     )
+    from rosbase.messages.fields import message
     from rosbase.parameters import (
         Parameter,
         ParameterKind,
@@ -340,6 +341,7 @@ __all__ = [
     "hookimpl",
     "installed_plugins",
     "make_logger",
+    "message",
     "mismatch",
     "name_undeclared",
     "one_line",
@@ -480,6 +482,7 @@ _HOMES = {
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
     "make_logger": "rosbase.logger",
+    "message": "rosbase.messages.fields",
     "mismatch": "rosbase.qos",
     "name_undeclared": "rosbase.contracts.parameter_store",
     "one_line": "rosbase.text.printable",

@@ -1,6 +1,6 @@
 """Time and duration, as the ROS package builtin_interfaces has them; both can be computed with."""
 
-from typing import Any
+from typing import Any, overload
 
 from attrs import frozen
 
@@ -64,18 +64,24 @@ class Duration:
         """Return the object itself: programs for rclpy's durations call this method."""
         return self
 
-    def __add__(self, other: "Duration") -> "Duration":
-        length = _nanoseconds_of(other, "Duration")
+    @overload
+    def __add__(self, other: "Duration") -> "Duration": ...
+    @overload
+    def __add__(self, other: "Time") -> "Time": ...
+    @overload
+    def __add__(self, other: Any) -> Any: ...
+    def __add__(self, other: Any) -> Any:
+        """Return the sum of two durations, or the time that much after another."""
+        when, length = _nanoseconds_of(other, "Time"), _nanoseconds_of(other, "Duration")
+        if when is not None:
+            return Time.from_nanoseconds(when + self.nanoseconds)
         if length is None:
             return NotImplemented
         return Duration.from_nanoseconds(self.nanoseconds + length)
 
     def __radd__(self, other: Any) -> Any:
-        """Return the time that much after a time of rclpy, as one of ours."""
-        when = _nanoseconds_of(other, "Time")
-        if when is None:
-            return self.__add__(other)
-        return Time.from_nanoseconds(when + self.nanoseconds)
+        """Return the same as in the other order: rclpy's objects know only rclpy's."""
+        return self.__add__(other)
 
     def __rsub__(self, other: Any) -> Any:
         """Return the time that much before a time of rclpy, or what is left of a duration."""
@@ -156,6 +162,12 @@ class Time:
 
     __radd__ = __add__
 
+    @overload
+    def __sub__(self, other: "Time") -> Duration: ...
+    @overload
+    def __sub__(self, other: Duration) -> "Time": ...
+    @overload
+    def __sub__(self, other: Any) -> Any: ...
     def __sub__(self, other: Any) -> Any:
         """Return the duration since another time, or the time before a duration."""
         since = _nanoseconds_of(other, "Time")
