@@ -41,7 +41,7 @@ def test_sums_and_differences_are_exact_with_the_objects_of_rclpy_on_either_side
     a: int, b: int, make_time: Any, make_duration: Any
 ) -> None:
     time, duration = Time.from_nanoseconds(a), Duration.from_nanoseconds(a)
-    cases: list[tuple[Any, type, int]] = [
+    cases: list[tuple[Any, type[Time | Duration], int]] = [
         (time + make_duration(b), Time, a + b),
         (make_duration(b) + time, Time, a + b),
         (time - make_duration(b), Time, a - b),
@@ -66,7 +66,8 @@ def test_sums_and_differences_are_exact_with_the_objects_of_rclpy_on_either_side
 def test_comparison_goes_by_nanoseconds_and_equal_ones_have_equal_hashes(
     a: tuple[int, int], b: tuple[int, int]
 ) -> None:
-    for kind, foreign in ((Time, RclpyTime), (Duration, RclpyDuration)):
+    kinds: list[tuple[Any, Any]] = [(Time, RclpyTime), (Duration, RclpyDuration)]
+    for kind, foreign in kinds:
         one, two = kind(*a), kind(*b)
         for other in (two, foreign(two.nanoseconds)):
             assert (one < other) is (one.nanoseconds < two.nanoseconds)
@@ -81,7 +82,8 @@ def test_comparison_goes_by_nanoseconds_and_equal_ones_have_equal_hashes(
 
 
 def test_what_makes_no_sense_is_refused_by_python() -> None:
-    time, duration = Time(1), Duration(1)
+    time: Any = Time(1)
+    duration: Any = Duration(1)
     for wrong in (
         lambda: time + Time(1),
         lambda: time + 1,

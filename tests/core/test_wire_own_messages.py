@@ -75,7 +75,7 @@ def test_an_own_message_becomes_bytes_and_itself_again(cls: type) -> None:
     def check(sent: Any) -> None:
         data = serialize(sent)
         assert data == PlainCdr(sent).data()
-        back = deserialize(data, cls)
+        back: Any = deserialize(data, cls)
         assert type(back) is cls
         assert flat(back) == flat(sent)
         assert flat(deserialize(PlainCdr(sent, ">").data(), cls)) == flat(sent)

@@ -29,7 +29,7 @@ def test_the_default_message_and_random_ones_come_back_as_they_were(cls: type) -
     for message in (cls(), *(made(describe(cls), choose) for _ in range(100))):
         data = serialize(message)
         assert data[:4] == b"\0\1\0\0"
-        back = deserialize(data, cls)
+        back: Any = deserialize(data, cls)
         assert type(back) is cls
         assert flat(back) == flat(message)
         assert serialize(back) == data
@@ -50,7 +50,7 @@ def test_a_message_that_comes_back_is_equal_to_the_one_that_was_sent(
     cls: type, data: st.DataObject
 ) -> None:
     message = data.draw(messages_of(cls))
-    back = deserialize(serialize(message), cls)
+    back: Any = deserialize(serialize(message), cls)
     if "nan" not in str(flat(message)):
         assert back == message
         assert hash(back) == hash(message)
@@ -82,7 +82,7 @@ def test_padding_behind_a_message_and_writable_or_foreign_buffers_are_read(cls: 
 def test_bytes_that_change_later_do_not_change_the_message(cls: type) -> None:
     message = made(describe(cls), Rolled(4))
     data: Any = bytearray(serialize(message))
-    back = deserialize(data, cls)
+    back: Any = deserialize(data, cls)
     data[:] = b"\xff" * len(data)
     assert flat(back) == flat(message)
 

@@ -44,6 +44,7 @@ def mirrored(name: str, kind: str) -> Any:
 def _annotation(text: str, kind: str) -> Any:
     match = _FORM.fullmatch(text)
     assert match, text
+    element: Any
     if "/" in match["element"]:
         package, own = match["element"].split("/")
         element = mirrored(f"{package}/msg/{own}", kind)
@@ -51,8 +52,10 @@ def _annotation(text: str, kind: str) -> Any:
         element = _TYPES[match["element"]]
     if match["text"]:
         element = Annotated[element, AtMost(int(match["text"]))]
+    # Only a variable with a type of its own is no type for mypy.
+    many: Any = tuple.__class_getitem__((element, ...))
     if match["size"]:
-        return Annotated[tuple[element, ...], Fixed(int(match["size"]))]
+        return Annotated[many, Fixed(int(match["size"]))]
     if match["most"]:
-        return Annotated[tuple[element, ...], AtMost(int(match["most"]))]
-    return tuple[element, ...] if match["sequence"] else element
+        return Annotated[many, AtMost(int(match["most"]))]
+    return many if match["sequence"] else element
