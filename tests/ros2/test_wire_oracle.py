@@ -113,6 +113,16 @@ def test_the_hash_of_an_own_message_is_the_one_that_rclpy_publishes_with(
         node.destroy_node()
 
 
+@pytest.mark.parametrize("cls", BY_ROS, ids=name_of)
+def test_the_defaults_and_the_constants_are_those_of_rclpy(cls: type) -> None:
+    theirs = ros_class(name_of(cls))
+    assert flat(cls()) == flat(theirs(), describe(cls))
+    names = {name for name in vars(type(theirs)) if name.isupper() and not name.startswith("_")}
+    of_ros = {name: getattr(theirs, name) for name in names if not name.endswith("__DEFAULT")}
+    plain = {name: v[0] if isinstance(v, bytes) else v for name, v in of_ros.items()}
+    assert {one.name: one.value for one in describe(cls).constants} == plain
+
+
 def test_the_hash_is_the_one_that_rclpy_publishes_with(context: Any) -> None:
     node: Any = rclpy.create_node("hashes", context=context)
     try:
