@@ -12,7 +12,7 @@ from attrs import frozen
 from rosbase.contracts.backend import BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 from rosbase.local.link import Link
-from rosbase.messages import Header, Imu, Time, Vector3
+from rosbase.messages import Header, Image, Imu, Time, Vector3
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, qos_profile_sensor_data
 from support.waiting import wait_until
 
@@ -162,6 +162,22 @@ def test_a_message_that_cannot_be_pickled_is_reported_and_the_rest_goes_on(
     spin(there, lambda: got)
     assert got == [Handle(7)]
     assert "cannot send message /scan: TypeError: cannot pickle" in caplog.text
+
+
+def test_a_message_with_a_view_arrives_with_the_same_numbers_in_a_buffer_that_is_read_only(
+    sides: tuple[Side, Side],
+) -> None:
+    here, there = sides
+    got: list[Image] = []
+    there.backend.create_subscription(Image, "image", got.append, 1)
+    wait_until(lambda: here.knows_audience("/image"), "the audience")
+    image = Image(data=memoryview(bytearray(b"pixels" * 100_000)).toreadonly())
+    here.backend.create_publisher(Image, "image", 1).publish(image)
+    spin(there, lambda: got)
+    assert got == [image]
+    assert isinstance(got[0].data, memoryview)
+    assert got[0].data.readonly
+    assert here.records == there.records == []
 
 
 def test_a_deeper_subscription_deepens_the_link(sides: tuple[Side, Side]) -> None:

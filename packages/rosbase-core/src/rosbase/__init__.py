@@ -135,6 +135,7 @@ if TYPE_CHECKING:
         Reject,
         TimeMapping,
     )
+    from rosbase.messages.fields import message
     from rosbase.parameters import (
         Parameter,
         ParameterKind,
@@ -342,6 +343,7 @@ __all__ = [
     "hookimpl",
     "installed_plugins",
     "make_logger",
+    "message",
     "mismatch",
     "name_undeclared",
     "one_line",
@@ -483,6 +485,7 @@ _HOMES = {
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
     "make_logger": "rosbase.logger",
+    "message": "rosbase.messages.fields",
     "mismatch": "rosbase.qos",
     "name_undeclared": "rosbase.contracts.parameter_store",
     "one_line": "rosbase.text.printable",
