@@ -31,7 +31,7 @@ def simplify_signature(
 
 
 def replace(app: Any, page: Any) -> None:
-    """Replace what stands for the type of a field by a short text. Sphinx calls it for each page."""
+    """Replace the type of each field by a short text. Sphinx calls it for each page."""
     for reference in list(page.findall(pending_xref)):
         target = str(reference.get("reftarget", ""))
         # The built-in `type` would lead to a field of that name.
