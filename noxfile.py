@@ -180,7 +180,7 @@ def authors(session: nox.Session) -> None:
 @nox.session(python=TOOLS_PYTHON)
 def docs(session: nox.Session) -> None:
     """The site, built and looked at; every code block of the READMEs and the documentation, run."""
-    session.install(*TEST_TOOLS, *SITE_TOOLS)
+    session.install("numpy", *TEST_TOOLS, *SITE_TOOLS)
     _install(session, *DISTRIBUTIONS)
     # What it declares is on the site; to say so, it needs no ROS.
     session.install("--no-deps", "--force-reinstall", str(PACKAGES / "rosbase-ros2"))
@@ -213,7 +213,7 @@ def lint(session: nox.Session) -> None:
 def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
     # It checks for the oldest Python, which has no `tomllib`.
-    session.install("mypy==2.4.1", "nox", "tomli>=2", "types-pyserial")
+    session.install("mypy==2.4.1", "nox", "numpy", "tomli>=2", "types-pyserial")
     session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
@@ -316,7 +316,7 @@ def signals(session: nox.Session) -> None:
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     # The loop beside which `precise_loop` puts ours.
-    session.install("horus-robotics==0.4.1")
+    session.install("horus-robotics==0.4.1", *WIRE_ORACLES)
     _install(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
         if not session.posargs or benchmark.stem in session.posargs:

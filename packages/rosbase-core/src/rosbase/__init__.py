@@ -1,6 +1,6 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
-Programs and plugins import from here, and from `rosbase.messages`, `rosbase.fsm`,
+Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
 `rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
 """
 

@@ -107,7 +107,7 @@ class Numbers:
 
 
 class NumpyArray(Protocol):
-    """What is used of a numpy array, which needs not be installed."""
+    """The part of a numpy array that rosbase uses; numpy need not be installed."""
 
     @property
     def dtype(self) -> Any:
