@@ -32,6 +32,7 @@ INTERNAL = {
         "roles.registration",
         "roles.shutdown",
         "runtime.stopping",
+        "runtime.waiting",
         "text.toml",
     ),
 }
