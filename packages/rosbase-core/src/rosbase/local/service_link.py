@@ -56,7 +56,7 @@ class ServiceLink:
             "request": (self._take_request, (str, int, object)),
             "answer": (self._take_answer, (int, object, (str, NoneType))),
         }
-        """What the other end may say."""
+        """Messages from the other end."""
 
     def start(self) -> None:
         """Start to share services."""

@@ -54,7 +54,7 @@ class ServiceLinkEnd(Protocol):
 
 @define(eq=False)
 class _Service:
-    """What goes by one name."""
+    """A service: its providers, its clients, and requests that wait for a provider."""
 
     type_name: str
     # Those of this process first.
