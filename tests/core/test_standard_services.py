@@ -1,8 +1,10 @@
 """The standard services of nodes on `local`: lifecycle and parameters, answered as ROS does."""
 
+import gc
 import subprocess
 import sys
 import threading
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -486,6 +488,37 @@ def test_requests_end_with_the_backend(pair: tuple[LocalBackend, LocalBackend]) 
     one.close()
     assert isinstance(call.exception(), ServiceFailedError)
     assert not client.service_is_ready()
+
+
+def test_of_two_nodes_with_one_name_the_newest_answers_as_long_as_it_is_there() -> None:
+    bus = Bus()
+    old, new = (LocalBackend(BackendOptions("eye"), bus) for _ in range(2))
+    asking = LocalBackend(BackendOptions("asking"), bus)
+    LifecycleNode(backend=old).trigger_configure()
+    LifecycleNode(backend=new)
+    client = asking.create_client(lifecycle_msgs.GetState, "/eye/get_state")
+
+    def state() -> int:
+        return int(client.call(lifecycle_msgs.GetState.Request(), 20.0).current_state.id)
+
+    with spun(new):
+        assert state() == State.UNCONFIGURED
+    new.close()
+    with spun(old):
+        assert state() == State.INACTIVE
+    old.close()
+    asking.close()
+
+
+def test_a_backend_that_nobody_closes_is_not_kept() -> None:
+    bus = Bus()
+    backend = LocalBackend(BackendOptions("eye"), bus)
+    LifecycleNode(backend=backend)
+    found = weakref.ref(backend)
+    del backend
+    gc.collect()
+    assert found() is None
+    assert not bus.services.is_served("/eye/get_state")
 
 
 def test_the_types_of_the_catalog_are_those_of_the_messages() -> None:

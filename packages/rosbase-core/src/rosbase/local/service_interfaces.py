@@ -1,4 +1,4 @@
-"""What services within one process are to each other: requests, providers and links."""
+"""Interfaces of services within one process: requests, providers and links."""
 
 from collections.abc import Iterable
 from typing import Any, Protocol

@@ -1,31 +1,36 @@
 """Which nodes have standard services, in this process and behind its links."""
 
+import weakref
 from collections.abc import Iterator
+from typing import TypeAlias
 
 from rosbase.local.service_interfaces import Provider, ServiceLinkEnd, StandardServices
 from rosbase.local.standard.catalog import TYPES, standard_type
 
 __all__ = ["KnownServices", "names_of"]
 
+_Entry: TypeAlias = tuple["weakref.ref[StandardServices]", ServiceLinkEnd | None]
+
 
 class KnownServices:
     """The standard services of all nodes. Changes are guarded by the registry.
 
-    Of several nodes with one name, one of this process answers, and of those the first.
+    Of several nodes with one name, one of this process answers, and of those the newest. A backend
+    that nobody closes can be collected all the same, because it is not kept here.
     """
 
     def __init__(self) -> None:
         # Those of this process first; replaced, so that reading needs no lock.
-        self._all: tuple[tuple[StandardServices, ServiceLinkEnd | None], ...] = ()
+        self._all: tuple[_Entry, ...] = ()
 
     def add(self, services: StandardServices, link: ServiceLinkEnd | None) -> None:
         """Add the services of a backend, or of the other side of a link."""
-        found = (*self._all, (services, link))
-        self._all = tuple(sorted(found, key=lambda entry: entry[1] is not None))
+        entry, known = (weakref.ref(services), link), self._without(None)
+        self._all = (entry, *known) if link is None else (*known, entry)
 
     def remove(self, services: StandardServices) -> None:
         """Remove services. Do nothing if they have been removed."""
-        self._all = tuple(entry for entry in self._all if entry[0] is not services)
+        self._all = self._without(services)
 
     def has(self, node: str, kind: str, asking: ServiceLinkEnd | None) -> bool:
         """Return whether a node has services of that kind not on the side of `asking`."""
@@ -55,7 +60,13 @@ class KnownServices:
         return {one for services in self._not_of(asking) for one in services.nodes()}
 
     def _not_of(self, asking: ServiceLinkEnd | None) -> Iterator[StandardServices]:
-        return (services for services, link in self._all if link is None or link is not asking)
+        for found, link in self._all:
+            services = found()
+            if services is not None and (link is None or link is not asking):
+                yield services
+
+    def _without(self, removed: StandardServices | None) -> tuple[_Entry, ...]:
+        return tuple(one for one in self._all if one[0]() not in (removed, None))
 
 
 def names_of(node: str, kind: str) -> list[str]:

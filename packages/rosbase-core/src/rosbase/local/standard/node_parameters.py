@@ -19,7 +19,7 @@ class NodeParameters:
     prefix: str = ""
     """Beginning of their names in the store, such as `camera.` for a lifecycle node."""
     prefixes: Collection[str] = ()
-    """Those of all nodes with services of their own. A node without one has all the rest."""
+    """Prefixes of all nodes with services of their own. A node without one has all the rest."""
 
     def names(self) -> list[str]:
         """Return the names of all, in the order of declaration."""
