@@ -10,9 +10,9 @@ from itertools import count
 from types import NoneType
 from typing import Any
 
+from rosbase.contracts.service_server import MOST_WAITING, ServiceRequest
 from rosbase.errors import ServiceError, ServiceFailedError
-from rosbase.local.service_endpoints import MOST_WAITING
-from rosbase.local.service_registry import GONE, Request, ServiceRegistry
+from rosbase.local.service_registry import ServiceRegistry
 
 __all__ = ["Kinds", "ServiceLink"]
 
@@ -46,7 +46,7 @@ class ServiceLink:
         self._told: set[str] = set()
         self._there: dict[str, _RemoteService] = {}
         # What the other side was asked and has not answered.
-        self._asked: dict[int, tuple[str, Request]] = {}
+        self._asked: dict[int, tuple[str, ServiceRequest]] = {}
         self._unsent = 0
         self._lock = threading.Lock()
         self._numbers = count(1)
@@ -69,7 +69,7 @@ class ServiceLink:
         (self._told.add if is_there else self._told.discard)(name)
         self._call_soon(partial(self._send, "serve", name, type_name, is_there))
 
-    def ask(self, name: str, call: Request) -> None:
+    def ask(self, name: str, call: ServiceRequest) -> None:
         """Send a request to the other side. Call it from any thread."""
         with self._lock:
             is_full, is_closed = self._unsent >= MOST_WAITING, self._is_closed
@@ -79,7 +79,7 @@ class ServiceLink:
                 self._forget_late()
                 self._asked[number] = name, call
         if is_closed:
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
         elif is_full:
             reason = f"{MOST_WAITING} requests wait to be sent already"
             call.set_exception(ServiceFailedError(name, reason))
@@ -96,7 +96,7 @@ class ServiceLink:
             self._is_closed = True
             asked, self._asked = self._asked, {}
         for name, call in asked.values():
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
 
     def _forget_late(self) -> None:
         """Forget calls that have ended, if there are many: their answers may never come."""
@@ -106,7 +106,7 @@ class ServiceLink:
 
     # On the sending thread.
 
-    def _send_request(self, number: int, name: str, call: Request) -> None:
+    def _send_request(self, number: int, name: str, call: ServiceRequest) -> None:
         with self._lock:
             self._unsent -= 1
         if call.done():
@@ -158,7 +158,7 @@ class _RemoteService:
         self._name = name
         self._link = link
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Send the request to the other side."""
         self._link.ask(self._name, call)
 

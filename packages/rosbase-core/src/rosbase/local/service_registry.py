@@ -10,36 +10,16 @@ from typing import Any, Protocol
 
 from attrs import define, field
 
-from rosbase.errors import BackendError, ServiceError, ServiceFailedError
+from rosbase.contracts.service_server import ServiceRequest
+from rosbase.errors import BackendError, ServiceFailedError
 
-__all__ = ["GONE", "Provider", "Request", "ServiceLinkEnd", "ServiceRegistry", "type_name"]
-
-GONE = "it went away before it answered"
-"""Reason of a call that fails because the service has ended."""
-
-
-class Request(Protocol):
-    """A request, and the place for its answer."""
-
-    request: Any
-
-    def done(self) -> bool:
-        """Return whether nobody waits for the answer any more."""
-        ...
-
-    def set_result(self, response: Any) -> bool:
-        """Set the answer; return False if nobody waits for it."""
-        ...
-
-    def set_exception(self, error: ServiceError) -> bool:
-        """Set an error instead; return False if nobody waits for it."""
-        ...
+__all__ = ["Provider", "ServiceLinkEnd", "ServiceRegistry", "type_name"]
 
 
 class Provider(Protocol):
     """A service of this process, or of another one behind a link."""
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Answer the request soon. Called on any thread."""
         ...
 
@@ -60,7 +40,7 @@ class _Service:
     # Those of this process first.
     providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
     clients: tuple[Callable[[], object], ...] = ()
-    waiting: deque[Request] = field(factory=deque)
+    waiting: deque[ServiceRequest] = field(factory=deque)
 
     def provider_for(self, asking: ServiceLinkEnd | None) -> Provider | None:
         """Return the first that is not on the side of the process that asks."""
@@ -136,7 +116,7 @@ class ServiceRegistry:
         service = self._services.get(name)
         return service is not None and bool(service.providers)
 
-    def send(self, name: str, call: Request) -> None:
+    def send(self, name: str, call: ServiceRequest) -> None:
         """Hand the request of a client to the service, now or when there is one."""
         with self._lock:
             service = self._services.get(name)
@@ -148,14 +128,14 @@ class ServiceRegistry:
         if provider is not None:
             provider.take(call)
 
-    def send_from(self, link: ServiceLinkEnd, name: str, call: Request) -> None:
+    def send_from(self, link: ServiceLinkEnd, name: str, call: ServiceRequest) -> None:
         """Hand a request of another process to the service."""
         with self._lock:
             service = self._services.get(name)
             provider = service.provider_for(link) if service else None
         if provider is None:
             # It was there when the other process sent the request.
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
         else:
             provider.take(call)
 
