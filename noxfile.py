@@ -123,8 +123,8 @@ def tests(session: nox.Session, distribution: str) -> None:
 @nox.session(python=PYTHONS)
 def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
-    # An action, which no package has that ours needs.
-    session.install("ros-jazzy-test-msgs", *TEST_TOOLS)
+    # An action, and services of the usual kind, which no package has that ours needs.
+    session.install("ros-jazzy-std-srvs", "ros-jazzy-test-msgs", *TEST_TOOLS)
     _install(session, *ALL)
     _test_on_each(session, "tests/ros2")
 

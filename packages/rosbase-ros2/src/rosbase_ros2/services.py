@@ -18,14 +18,16 @@ from rosbase import (
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.process import Process
 from rosbase_ros2.refusals import Refusals
+from rosbase_ros2.service_client import RosClient
 from rosbase_ros2.service_courier import ServiceCourier, service_courier
-from rosbase_ros2.service_ends import RosClient, RosService
+from rosbase_ros2.service_server import RosService
 from rosbase_ros2.service_watch import ServiceWatch
 from rosbase_ros2.shared_node import OwnGroup, SharedNode
 from rosbase_ros2.spinner import Spinner
 
 __all__ = ["Services"]
 
+EndT = TypeVar("EndT")
 RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
 
@@ -163,8 +165,8 @@ class Services:
         return _served.get((self._domain, name))
 
     def _create(
-        self, srv_type: Any, srv_name: str, create: Callable[[str, ServiceCourier], Any]
-    ) -> Any:
+        self, srv_type: Any, srv_name: str, create: Callable[[str, ServiceCourier], EndT]
+    ) -> EndT:
         """Create an end with rclpy; turn a refusal into an error of one line."""
         check_service_type(srv_type, srv_name)
         resolve_topic(srv_name, self._node.get_fully_qualified_name().removeprefix("/"), "service")

@@ -1,8 +1,7 @@
-"""The two ends of a service: rclpy transports requests and answers, the main loop handles them.
+"""The calling end of a service: rclpy sends the requests and takes the answers.
 
-A method of each of rclpy's objects is replaced, which rclpy calls on its thread. Its service would
-send what the callback returns; ours are answered later, by the main loop. Its client would need
-another turn of the executor for each answer, and forget those that come too late.
+rclpy's client would need another turn of the executor for each answer, and forget the ones that
+come too late. So the method that finds its future is replaced, which rclpy calls on its thread.
 
 A service of the same process is asked without the network. So its client is told why it has failed,
 which ROS cannot send.
@@ -19,89 +18,21 @@ from rclpy.exceptions import InvalidHandle
 
 from rosbase import (
     Executor,
-    RosbaseLogger,
     ServiceCall,
     ServiceClient,
     ServiceError,
     ServiceFailedError,
-    ServiceServer,
     ServiceType,
     one_line,
 )
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.service_courier import ServiceCourier
-from rosbase_ros2.shared_node import OwnGroup
+from rosbase_ros2.service_server import Received, RosService
 
-__all__ = ["RosClient", "RosService"]
+__all__ = ["RosClient"]
 
 RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
-
-_LOG_S = 1.0
-
-
-class RosService(ServiceServer):
-    """Answers the requests that rclpy takes, and those of this process."""
-
-    def __init__(
-        self,
-        name: str,
-        courier: ServiceCourier,
-        answer: Callable[[Any], Any],
-        executor: Executor,
-        logger: RosbaseLogger,
-        refusals: Refusals,
-    ) -> None:
-        """Prepare a service.
-
-        Args:
-            name: Its full name.
-            courier: Converts what the program handles.
-            answer: Answers a request of the program's class.
-            executor: Runs it, on the main loop.
-            logger: Logs requests that get no answer.
-            refusals: Says why the middleware does not take an answer.
-        """
-        to_ros, from_ros = courier.response.to_ros, courier.request.from_ros
-        super().__init__(name, lambda request: to_ros(answer(from_ros(request))), executor, logger)
-        self._log, self._refusals = logger, refusals
-        self._send: Callable[[Any, Any], object] | None = None
-        self.inner: Any = None
-        """Service of rclpy."""
-        self.group = _Group(self._attach)
-        """Callback group for the service of rclpy."""
-
-    @staticmethod
-    def callback(request: Any, response: Any) -> Any:
-        """Return the request, for rclpy to hand it on with its header."""
-        return request
-
-    def _attach(self, inner: Any) -> None:
-        self.inner, self._send = inner, inner.send_response
-        inner.send_response = self._receive
-
-    def _receive(self, request: Any, header: Any) -> None:
-        """Take a request, on the thread of rclpy."""
-        self.take(_Received(request, partial(self._respond, header), self._leave))
-
-    def _respond(self, header: Any, response: Any) -> None:
-        """Send an answer, on the main loop."""
-        assert self._send is not None
-        try:
-            self._send(response, header)
-        except InvalidHandle:
-            # It has been destroyed meanwhile.
-            pass
-        except RCLError as error:
-            self._warn(f"ROS did not send an answer: {self._refusals.reason(error)}")
-
-    def _leave(self, error: ServiceError) -> None:
-        # An exception of the callback is in the log already.
-        if error.__cause__ is None:
-            self._warn(f"a request gets no answer: {error}")
-
-    def _warn(self, what: str) -> None:
-        self._log.log_throttle(f"{self.service_name}: {what}", _LOG_S, "warning")
 
 
 class RosClient(ServiceClient[RequestT, ResponseT]):
@@ -214,7 +145,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         if service is None:
             return False
         arrive = partial(self._arrive, call)
-        service.take(_Received(self._isolate(request), arrive, call.set_exception, call.done))
+        service.take(Received(self._isolate(request), arrive, call.set_exception, call.done))
         return True
 
     def _transmit(self, call: ServiceCall[Any, Any], request: Any) -> None:
@@ -246,42 +177,6 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             call.set_exception(ServiceFailedError(self.service_name, reason))
         else:
             call.set_result(answer)
-
-
-class _Group(OwnGroup):
-    """Callback group of one service, which sees it before an executor does."""
-
-    def __init__(self, attach: Callable[[Any], object]) -> None:
-        super().__init__()
-        self._attach = attach
-
-    def add_entity(self, entity: Any) -> None:
-        super().add_entity(entity)
-        self._attach(entity)
-
-
-class _Received:
-    """A request, and what becomes of its answer."""
-
-    def __init__(
-        self,
-        request: Any,
-        on_answer: Callable[[Any], object],
-        on_failure: Callable[[ServiceError], object],
-        is_done: Callable[[], bool] = bool,
-    ) -> None:
-        self.request = request
-        self._on_answer = on_answer
-        self._on_failure = on_failure
-        self.done = is_done
-
-    def set_result(self, response: Any) -> bool:
-        self._on_answer(response)
-        return True
-
-    def set_exception(self, error: ServiceError) -> bool:
-        self._on_failure(error)
-        return True
 
 
 class _Answer:
