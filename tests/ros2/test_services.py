@@ -82,9 +82,7 @@ def test_a_plain_client_calls_our_service(
     service = backend.create_service(kind, "~/opposite", callback)
     assert service.service_name == "/test_node/opposite"
     for data in (True, False):
-        answer = answered(
-            backend, lambda data=data: plain.ask_for_bool("/test_node/opposite", data)
-        )
+        answer = answered(backend, partial(plain.ask_for_bool, "/test_node/opposite", data))
         assert (answer.success, answer.message) == (not data, "opposite")
 
 
@@ -157,9 +155,11 @@ def test_a_request_that_waits_for_the_main_loop_holds_nothing_up(
 
 
 def test_a_plain_service_that_goes_away_fails_the_call(backend: Ros2Backend, plain: Plain) -> None:
+    never: Any = Future()
+
     async def answer(request: Any, response: Any) -> Any:
         plain.served.append(request)
-        await Future()
+        await never
 
     service = plain.node.create_service(RosTrigger, "trigger", answer)
     client = backend.create_client(Trigger, "trigger")
@@ -338,8 +338,8 @@ def test_a_type_that_ros_does_not_have_is_one_line(
     backend: Ros2Backend, kind: Any, line: str
 ) -> None:
     for create in (
-        lambda: backend.create_service(kind, "open", opposite),
-        lambda: backend.create_client(kind, "open"),
+        partial(backend.create_service, kind, "open", opposite),
+        partial(backend.create_client, kind, "open"),
     ):
         with pytest.raises(BackendError) as caught:
             create()
