@@ -1,8 +1,9 @@
 """Services in programs: calls from handle(), between processes, and the stop while one waits."""
 
+import math
 import signal
-import statistics
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ class Asking(BaseHandlers):
     def __init__(self, manager: BaseManager, *args: Any, **kwargs: Any) -> None:
         super().__init__(manager, *args, **kwargs)
         self.took_s: list[float] = []
-        self.skipped_at_first = 0
+        self.skipped: list[int] = []
 
     def handle(self) -> None:
         client, stats = self.node(Asker).client, self.manager.loop_stats
@@ -69,17 +70,17 @@ class Asking(BaseHandlers):
             # Discovery takes some ticks.
             assert client.wait_for_service(TIMEOUT_S)
             return
-        if self.timestamp == 1:
-            self.skipped_at_first = stats.overruns
+        self.skipped.append(stats.overruns)
+        if self.timestamp == 1001:
+            self.manager.request_stop()
+            return
         start, data = time.perf_counter(), self.timestamp % 2 == 0
         assert client.call(SetBool.Request(data=data)).success is not data
         self.took_s.append(time.perf_counter() - start)
-        if self.timestamp == 1000:
-            self.manager.request_stop()
 
 
 def ask_a_thousand_times(asker: type[Asker]) -> None:
-    """Runs a manager at 200 Hz; checks that a call costs no other ticks than its own time."""
+    """Runs a manager at 200 Hz; checks that a call costs no other ticks than those of its time."""
     manager = BaseManager(
         nodes_dict={"asker": asker},
         handlers_class=Asking,
@@ -88,11 +89,13 @@ def ask_a_thousand_times(asker: type[Asker]) -> None:
     )
     manager.start_main_loop_timer()
     handlers: Any = manager.handlers
-    took_s, skipped = handlers.took_s, manager.loop_stats.overruns - handlers.skipped_at_first
-    assert len(took_s) == 1000
-    # Those of slow calls, and a few of a machine that stalls.
-    assert skipped <= sum(int(took / PERIOD_S) for took in took_s) + 10
-    assert statistics.median(took_s) < PERIOD_S
+    assert len(handlers.took_s) == 1000
+    without_cause = sum(
+        after - before > math.ceil(took_s / PERIOD_S - 0.5)
+        for took_s, (before, after) in zip(handlers.took_s, pairwise(handlers.skipped), strict=True)
+    )
+    # The machine may stall.
+    assert without_cause <= 100
 
 
 def test_a_thousand_calls_of_the_same_manager_are_answered() -> None:
