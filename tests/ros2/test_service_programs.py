@@ -162,8 +162,9 @@ def test_two_managers_in_two_processes_that_call_each_other_get_answers(
 
 
 WAITING = """
-    import warnings
+    import sys, threading, warnings
     warnings.simplefilter("ignore", DeprecationWarning)
+    import rclpy
     from rosbase import BaseHandlers, BaseManager, BaseNode
     from rosbase.messages.std_srvs import Trigger
 
@@ -175,6 +176,8 @@ WAITING = """
     class Handlers(BaseHandlers):
         def handle(self):
             print("waiting", flush=True)
+            if sys.argv[1:] == ["rclpy"]:
+                threading.Timer(0.2, rclpy.shutdown).start()
             self.node(Node).client.call(Trigger.Request(), timeout_s=600.0)
 
     BaseManager("app", {"node": Node}, handlers_class=Handlers).start_main_loop_timer()
@@ -191,3 +194,12 @@ def test_a_signal_ends_a_program_that_waits_for_a_service(
         took_s, status, _, err = program.stop(signum)
     assert status == 0, err
     assert took_s < 5.0
+
+
+def test_a_shutdown_of_rclpy_ends_a_program_that_waits_for_a_service(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROSBASE_BACKEND", "ros2")
+    with running(tmp_path, WAITING, "rclpy") as program:
+        status, _, err = program.end()
+    assert status == 0, err

@@ -227,6 +227,26 @@ def test_requests_that_ros_cannot_send_are_errors(backend: Ros2Backend) -> None:
             call(wrong)
 
 
+def test_requests_that_are_too_many_get_no_answer_and_a_line(
+    backend: Ros2Backend, opened: Open, over_the_network: None, caplog: pytest.LogCaptureFixture
+) -> None:
+    other = opened()
+    backend.create_service(Trigger, "trigger", lambda _: Trigger.Response(success=True))
+    client = other.create_client(Trigger, "trigger")
+    assert client.wait_for_service(TIMEOUT_S)
+    line = "/trigger: a request gets no answer: /trigger failed: 1000 requests wait for it already"
+    futures: list[Any] = []
+
+    def is_full() -> bool:
+        # Not more at a time than DDS keeps.
+        futures.extend(client.call_async(Trigger.Request(), TIMEOUT_S) for _ in range(20))
+        return line in caplog.messages
+
+    wait_until(is_full, "the line")
+    assert caplog.messages == [line]
+    spin_until(backend, futures[999].done)
+
+
 def test_a_callback_of_rclpy_may_not_wait_but_may_call(backend: Ros2Backend) -> None:
     backend.create_service(Trigger, "trigger", lambda _: Trigger.Response(success=True))
     client = backend.create_client(Trigger, "trigger")

@@ -138,7 +138,7 @@ class Services:
         """Destroy a service: it answers no more. Do nothing if it is none of this node's."""
         if isinstance(service, RosService) and service in self._services:
             self._services.remove(service)
-            del _served[self._domain, service.service_name]
+            _served.pop((self._domain, service.service_name), None)
             service.close()
             self._spinner.call(lambda: self._node.destroy_service(service.inner))
 
@@ -152,10 +152,10 @@ class Services:
 
     def close(self) -> None:
         """Let requests and calls fail; the ends are destroyed with the rclpy node."""
-        for service in self._services:
-            del _served[self._domain, service.service_name]
+        for service in list(self._services):
+            _served.pop((self._domain, service.service_name), None)
             service.close()
-        for client in self._clients:
+        for client in list(self._clients):
             self._watch.remove(client)
             client.close()
         self._services.clear()
