@@ -64,4 +64,4 @@ class TestServicesOverTheNetwork(ServiceChecks):
 @pytest.fixture(autouse=True)
 def placed(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if request.cls is TestServicesOverTheNetwork:
-        monkeypatch.setattr(services.Services, "_find", lambda self, name: None)
+        monkeypatch.setattr(services.Services, "_find", lambda self, key: None)

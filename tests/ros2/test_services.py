@@ -39,7 +39,7 @@ def plain(warm_ros: None) -> Iterator[Plain]:
 @pytest.fixture
 def over_the_network(monkeypatch: pytest.MonkeyPatch) -> None:
     """As if the ends were in different processes."""
-    monkeypatch.setattr(services.Services, "_find", lambda self, name: None)
+    monkeypatch.setattr(services.Services, "_find", lambda self, key: None)
 
 
 def opposite(request: Any) -> Any:
@@ -51,6 +51,11 @@ def ros_opposite(request: Any, response: Any) -> Any:
     """Answers a SetBool of ROS."""
     response.success, response.message = not request.data, "opposite"
     return response
+
+
+def answering(text: str) -> Callable[[Any], Any]:
+    """A callback that answers a Trigger of rosbase."""
+    return lambda request: Trigger.Response(success=True, message=text)
 
 
 def beside(backend: Ros2Backend, work: Callable[[], Any]) -> Any:
@@ -376,6 +381,31 @@ def test_a_service_has_one_type_and_one_callback(backend: Ros2Backend) -> None:
         backend.create_service(Trigger, "/trigger", opposite)
     with pytest.raises(BackendError, match=r"there is one in this process already$"):
         backend.create_service(ListParameters, "~/list_parameters", opposite)
+
+
+def test_a_service_of_another_backend_with_another_type_is_absent(
+    backend: Ros2Backend, opened: Open
+) -> None:
+    backend.create_service(RosTrigger, "trigger", lambda request, response: response)
+    client = opened().create_client(SetBool, "trigger")
+    with pytest.raises(ServiceTimeoutError, match="no such service"):
+        client.call(SetBool.Request(), timeout_s=0.1)
+
+
+def test_the_second_of_two_backends_with_one_service_answers_when_the_first_has_ended(
+    backend: Ros2Backend, opened: Open
+) -> None:
+    first, second = opened(), opened()
+    made = [
+        one.create_service(Trigger, "trigger", answering(name))
+        for one, name in ((first, "first"), (second, "second"))
+    ]
+    client = backend.create_client(Trigger, "trigger")
+    assert beside(first, lambda: client.call(Trigger.Request()).message) == "first"
+    first.destroy_service(made[0])
+    assert beside(second, lambda: client.call(Trigger.Request()).message) == "second"
+    second.destroy_service(made[1])
+    wait_until(lambda: not client.service_is_ready(), "the end of both")
 
 
 def test_both_sides_may_change_their_ros_messages(backend: Ros2Backend) -> None:

@@ -44,7 +44,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         inner: Any,
         courier: ServiceCourier,
         executor: Executor,
-        find_own: Callable[[str], RosService | None],
+        find_own: Callable[[], RosService | None],
         on_send: Callable[[], object],
         may_wait: Callable[[], bool],
         refusals: Refusals,
@@ -56,7 +56,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             inner: The client of rclpy.
             courier: Converts what the program handles.
             executor: Runs the callbacks of the program.
-            find_own: Returns the service of that name in this process.
+            find_own: Returns the service, if it is in this process.
             on_send: Called when a call has begun, so that `look` is called from now on.
             may_wait: Whether the thread of the caller may wait for an answer.
             refusals: Says why the middleware does not take a request.
@@ -73,7 +73,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         # By the number of rclpy, as long as somebody knows of the call. Guarded by the lock.
         self._sent: WeakValueDictionary[int, ServiceCall[Any, Any]] = WeakValueDictionary()
         self._unsent: list[tuple[ServiceCall[Any, Any], Any]] = []
-        self._lock = threading.Lock()
+        self._lock, self._order = threading.Lock(), threading.Lock()
         self._was_there = True
         inner.get_pending_request = self._find
 
@@ -87,7 +87,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return self._find_own(self.service_name) is not None or self._is_there()
+        return self._find_own() is not None or self._is_there()
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
@@ -116,7 +116,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             self._was_there = True
             return False
         is_there = self._is_there()
-        if is_there or self._find_own(self.service_name):
+        if is_there or self._find_own():
             self._send_waiting()
         elif not self._was_there:
             # Not at the first look: its last answer may be here, and not yet be handled.
@@ -133,18 +133,23 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             return False
 
     def _send_waiting(self) -> None:
-        with self._lock:
-            waiting, self._unsent = self._unsent, []
-        for call, request in waiting:
-            if not (call.done() or self._send_here(call, request)):
-                self._transmit(call, request)
+        # One thread at a time, so that they are sent in order.
+        with self._order:
+            with self._lock:
+                waiting, self._unsent = self._unsent, []
+            for call, request in waiting:
+                if not (call.done() or self._send_here(call, request)):
+                    self._transmit(call, request)
 
     def _send_here(self, call: ServiceCall[Any, Any], request: Any) -> bool:
         """Hand the request to a service of this process; return whether there is one."""
-        service = self._find_own(self.service_name)
+        service = self._find_own()
         if service is None:
             return False
-        arrive = partial(self._arrive, call)
+
+        def arrive(response: Any) -> None:
+            self._arrive(call, self._isolate(response))
+
         service.take(Received(self._isolate(request), arrive, call.set_exception, call.done))
         return True
 
@@ -171,7 +176,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             self.count_late()
             return
         try:
-            answer = self._response.from_ros(self._isolate(response))
+            answer = self._response.from_ros(response)
         except Exception as error:
             reason = one_line(f"the answer cannot be read: {type(error).__name__}: {error}")
             call.set_exception(ServiceFailedError(self.service_name, reason))

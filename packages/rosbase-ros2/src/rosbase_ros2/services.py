@@ -1,7 +1,8 @@
 """The services and clients of one ROS node."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import partial
+from typing import Any, TypeAlias, TypeVar
 
 from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
@@ -34,8 +35,11 @@ ResponseT = TypeVar("ResponseT")
 # As many as a service lets wait; with the 10 of rclpy, DDS drops those of a burst.
 _PROFILE = QoSProfile(depth=1000)
 
-# All of this process, by the domain and the full name.
-_served: dict[tuple[int, str], RosService] = {}
+Key: TypeAlias = tuple[int, str, type]
+"""Domain, full name and ROS type of a service."""
+
+# All of this process. Of two backends with the same one, the first.
+_served: dict[Key, RosService] = {}
 
 
 class Services:
@@ -102,7 +106,7 @@ class Services:
 
         service = self._create(srv_type, srv_name, create)
         self._services.append(service)
-        _served[self._domain, service.service_name] = service
+        _served.setdefault(self._key(service), service)
         return service
 
     def create_client(
@@ -123,7 +127,7 @@ class Services:
                 inner,
                 courier,
                 self._process.executor,
-                self._find,
+                partial(self._find, (self._domain, name, courier.ros_type)),
                 self._watch.begin,
                 lambda: not self._process.is_on_rclpy_thread(),
                 self._refusals,
@@ -138,8 +142,7 @@ class Services:
         """Destroy a service: it answers no more. Do nothing if it is none of this node's."""
         if isinstance(service, RosService) and service in self._services:
             self._services.remove(service)
-            _served.pop((self._domain, service.service_name), None)
-            service.close()
+            self._end(service)
             self._spinner.call(lambda: self._node.destroy_service(service.inner))
 
     def destroy_client(self, client: object) -> None:
@@ -153,16 +156,24 @@ class Services:
     def close(self) -> None:
         """Let requests and calls fail; the ends are destroyed with the rclpy node."""
         for service in list(self._services):
-            _served.pop((self._domain, service.service_name), None)
-            service.close()
+            self._end(service)
         for client in list(self._clients):
             self._watch.remove(client)
             client.close()
         self._services.clear()
         self._clients.clear()
 
-    def _find(self, name: str) -> RosService | None:
-        return _served.get((self._domain, name))
+    def _key(self, service: RosService) -> Key:
+        return self._domain, service.service_name, service.inner.srv_type
+
+    def _end(self, service: RosService) -> None:
+        key = self._key(service)
+        if _served.get(key) is service:
+            del _served[key]
+        service.close()
+
+    def _find(self, key: Key) -> RosService | None:
+        return _served.get(key)
 
     def _create(
         self, srv_type: Any, srv_name: str, create: Callable[[str, ServiceCourier], EndT]
