@@ -185,7 +185,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
 
 
 class _Answer:
-    """What rclpy takes for the future of an answer, and sets on its thread."""
+    """Receives an answer in place of a future: rclpy sets it on its thread."""
 
     def __init__(self, set_result: Callable[[Any], object]) -> None:
         self.set_result = set_result
