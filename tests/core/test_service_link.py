@@ -46,6 +46,8 @@ def alone() -> Iterator[tuple[Side, "Connection[Any, Any]"]]:
     ends = socket.socketpair()
     side = Side(ends[0], "here")
     other: Connection[Any, Any] = Connection(ends[1].detach())
+    # The parameters of the backend, which have services too.
+    assert other.recv()[0] == "standard"
     yield side, other
     other.close()
     side.close()

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from rosbase.contracts.service_call import ServiceCall
     from rosbase.contracts.service_callback import check_service_type, service_answer
     from rosbase.contracts.service_client import ServiceClient
+    from rosbase.contracts.service_server import ServiceRequest, ServiceServer
     from rosbase.contracts.services import (
         Client,
         Service,
@@ -307,6 +308,8 @@ __all__ = [
     "ServiceError",
     "ServiceFailedError",
     "ServiceFuture",
+    "ServiceRequest",
+    "ServiceServer",
     "ServiceStoppedError",
     "ServiceTimeoutError",
     "ServiceType",
@@ -448,6 +451,8 @@ _HOMES = {
     "ServiceError": "rosbase.errors",
     "ServiceFailedError": "rosbase.errors",
     "ServiceFuture": "rosbase.contracts.services",
+    "ServiceRequest": "rosbase.contracts.service_server",
+    "ServiceServer": "rosbase.contracts.service_server",
     "ServiceStoppedError": "rosbase.errors",
     "ServiceTimeoutError": "rosbase.errors",
     "ServiceType": "rosbase.contracts.services",

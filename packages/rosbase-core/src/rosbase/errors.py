@@ -93,7 +93,7 @@ class ServiceFailedError(ServiceError):
     another one, it is the cause there.
     """
 
-    def __init__(self, service_name: str, reason: str) -> None:
+    def __init__(self, service_name: str, reason: str = "it went away before it answered") -> None:
         super().__init__(f"{service_name} failed: {reason}")
         self.reason = reason
 

@@ -11,7 +11,7 @@ from rosbase.wire import describe, reader, writer
 from rosbase.wire.description import Field, Kind, MessageType
 from rosbase_ros2.conversion import Conversions
 
-__all__ = ["Courier", "courier_of"]
+__all__ = ["Courier", "courier_of", "require_same", "ros_class"]
 
 # What rclpy calls the primitive types.
 _NAMES = {
@@ -55,12 +55,21 @@ def courier_of(msg_type: Any, conversions: Conversions) -> Courier:
         return Courier(
             msg_type, converter.ros_type, converter.to_ros, converter.from_ros, is_raw=False
         )
-    ros_class = _ros_class(name, msg_type)
-    _require_same(describe(msg_type), ros_class)
-    return Courier(msg_type, ros_class, writer(msg_type), reader(msg_type), is_raw=True)
+    found = ros_class(name, msg_type)
+    require_same(msg_type, found)
+    return Courier(msg_type, found, writer(msg_type), reader(msg_type), is_raw=True)
 
 
-def _ros_class(name: str, msg_type: type) -> Any:
+def ros_class(name: str, msg_type: type) -> Any:
+    """Return the class of ROS for one of rosbase.
+
+    Args:
+        name: Its name in ROS, such as `std_srvs/srv/Trigger`.
+        msg_type: The class of rosbase, for errors.
+
+    Raises:
+        TypeError: ROS has none; the text says what to install.
+    """
     package, kind, own = name.split("/")
     try:
         module = import_module(f"{package}.{kind}")
@@ -75,9 +84,17 @@ def _ros_class(name: str, msg_type: type) -> Any:
     return found
 
 
-def _require_same(of: MessageType, ros_class: Any) -> None:
-    """Refuse a class whose bytes are not those of the ROS message."""
-    theirs = list(ros_class.get_fields_and_field_types().items())
+def require_same(msg_type: type, theirs: Any) -> None:
+    """Refuse a class whose bytes are not those of the ROS message.
+
+    Raises:
+        TypeError: They are not; the text names the first field that differs.
+    """
+    _require_same(describe(msg_type), theirs)
+
+
+def _require_same(of: MessageType, found: Any) -> None:
+    theirs = list(found.get_fields_and_field_types().items())
     ours = [(one.name, _named(one)) for one in of.fields]
     if ours != theirs:
         own, other = next(
@@ -91,7 +108,7 @@ def _require_same(of: MessageType, ros_class: Any) -> None:
         )
     for one in of.fields:
         if isinstance(one.element, MessageType):
-            _require_same(one.element, _ros_class(one.element.name, one.element.cls))
+            _require_same(one.element, ros_class(one.element.name, one.element.cls))
 
 
 def _told(field: tuple[str, str] | None) -> str:

@@ -8,6 +8,7 @@ from rclpy.qos import QoSProfile
 
 from rosbase import (
     BackendError,
+    Client,
     ManagedNode,
     NodeConnection,
     OnSetParameters,
@@ -16,6 +17,9 @@ from rosbase import (
     PostSetParameters,
     Publisher,
     Sender,
+    Service,
+    ServiceCallback,
+    ServiceType,
     SetParametersResult,
     Subscription,
     Timer,
@@ -39,6 +43,7 @@ from rosbase_ros2.qos_overrides import QoSOverrides
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
+from rosbase_ros2.services import Services
 from rosbase_ros2.shared_node import OwnGroup, SharedNode
 from rosbase_ros2.sim_time import SimTimeWatch
 from rosbase_ros2.spinner import Spinner
@@ -49,6 +54,8 @@ from rosbase_ros2.topics import RosPublisher, RosSubscription
 __all__ = ["RosNode"]
 
 MessageT = TypeVar("MessageT")
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
 
 
 class RosNode(NodeConnection):
@@ -111,11 +118,12 @@ class RosNode(NodeConnection):
         self._publishers: list[RosPublisher] = []
         self._retirement = Retirement(node)
         self._subscriptions: list[RosSubscription] = []
-        self._services: list[LifecycleServices] = []
+        self._lifecycle_services: list[LifecycleServices] = []
         self._timers = Timers(clock, process.executor.call_soon)
         self._sim_time = SimTimeWatch(node, clock, process.executor, self._logger.warning)
         self._spinner = Spinner(process.context, node, self._report, on_context_end)
         process.spinners.append(self._spinner)
+        self._services = Services(process, node, self._spinner, self._logger, self._refusals)
 
     @property
     def given_names(self) -> list[str]:
@@ -181,6 +189,35 @@ class RosNode(NodeConnection):
             subscription.close()
             self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
 
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service:
+        """Create a service of a type of rosbase or ROS; the callback runs on the main loop.
+
+        A client that is not in this process gets no answer if it raises, because ROS has none
+        for that; the log says why.
+        """
+        self._process.check_open()
+        return self._services.create_service(srv_type, srv_name, callback)
+
+    def create_client(
+        self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Create a client of a service of a type of rosbase or ROS."""
+        self._process.check_open()
+        return self._services.create_client(srv_type, srv_name)
+
+    def destroy_service(self, service: Service) -> None:
+        """Destroy a service."""
+        self._services.destroy_service(service)
+
+    def destroy_client(self, client: Client[Any, Any]) -> None:
+        """Destroy a client."""
+        self._services.destroy_client(client)
+
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
         """Create a timer of the main loop, which follows `/clock` while `use_sim_time` is true."""
         self._process.check_open()
@@ -219,7 +256,7 @@ class RosNode(NodeConnection):
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Create the five services and the topic with which the ROS tools drive a managed node."""
         self._process.check_open()
-        if self._services:
+        if self._lifecycle_services:
             self._logger.warning(
                 f"{type(node).__name__} is not seen by the ROS tools: the services of"
                 f" {self.node.get_name()} are those of its first lifecycle node"
@@ -227,7 +264,7 @@ class RosNode(NodeConnection):
             return
         self._parameters.watch_transitions(node.describe_transition)
         call_soon = self._process.executor.call_soon
-        self._services.append(LifecycleServices(self.node, node, call_soon, self._logger))
+        self._lifecycle_services.append(LifecycleServices(self.node, node, call_soon, self._logger))
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
@@ -254,7 +291,8 @@ class RosNode(NodeConnection):
         """Refuse requests, and hand on nothing more."""
         self._overrides.name_unused()
         self._rosout.close()
-        for services in self._services:
+        self._services.close()
+        for services in self._lifecycle_services:
             services.close()
         for subscription in self._subscriptions:
             subscription.close()

@@ -4,7 +4,7 @@ from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from rosbase import RosbaseLogger, SystemClock, date_fault
+from rosbase import RosbaseLogger, SystemClock, date_fault, one_line
 
 __all__ = ["RCLError", "Refusals"]
 
@@ -27,6 +27,10 @@ class Refusals:
     def explain(self, error: Exception) -> str:
         """Return the fault of the date for which the middleware may have refused; empty if none."""
         return date_fault(self._clock.now_ns()) if isinstance(error, RCLError) else ""
+
+    def reason(self, error: Exception) -> str:
+        """Return in one line why the middleware has refused."""
+        return self.explain(error) or one_line(str(error))
 
     def judge(self, topic: str, error: Exception) -> bool:
         """Return False, for a message that is lost although the program did nothing wrong.

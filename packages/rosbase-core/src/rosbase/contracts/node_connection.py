@@ -228,9 +228,10 @@ class NodeConnection(ABC):
     ) -> Service:
         """Create a service: `callback` answers its requests, on the spinning thread.
 
-        `service_answer` has the rules of the callback. Hand each request to
-        `executor.call_urgently`, so that it is answered even while that thread waits for an
-        answer. An exception of the callback is logged, and the caller gets ServiceFailedError.
+        `service_answer` has the rules of the callback, and `ServiceServer` most of what a service
+        needs: it hands each request to `executor.call_urgently`, so that it is answered even
+        while that thread waits for an answer. An exception of the callback is logged, and the
+        caller gets ServiceFailedError, if the backend can send it.
 
         Raises:
             BackendError: The service has another type, the name is invalid, or the backend is

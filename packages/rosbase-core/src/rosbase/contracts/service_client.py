@@ -34,7 +34,8 @@ _LOOK_S = 0.1
 class ServiceClient(ABC, Generic[RequestT, ResponseT]):
     """A client of a service, but for what depends on the backend.
 
-    Must implement: `send`, `service_is_ready`. Call `changed` when the service comes or goes.
+    Must implement: `send`, `service_is_ready`. May implement: `check_thread`. Call `changed` when
+    the service comes or goes.
     """
 
     def __init__(
@@ -69,6 +70,13 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
     @abstractmethod
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
+
+    def check_thread(self) -> None:
+        """Check that the thread of the caller may wait for an answer.
+
+        Raises:
+            ServiceError: It may not, because the answer could not come meanwhile.
+        """
 
     def changed(self) -> None:
         """Look again whether the service is there. Call it from any thread."""
@@ -144,7 +152,7 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
                 f"{self._name} takes {self._type_name}.Request, not {type(request).__name__}"
             )
         call: ServiceCall[RequestT, ResponseT] = ServiceCall(
-            self._name, request, self._executor, self._ended, self._count_late
+            self._name, request, self._executor, self._ended, self.count_late
         )
         self._pending.add(call)
         # Looked at only now: whoever closes it afterwards finds the call.
@@ -157,13 +165,15 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         self._pending.discard(call)
         self._waiting.changed()
 
-    def _count_late(self) -> None:
+    def count_late(self) -> None:
+        """Count an answer to a call that has ended. For those that `send` has forgotten."""
         with self._drop_lock:
             self._dropped += 1
 
     def _check_wait(self, timeout_s: float) -> None:
         """Refuse a wait that must not begin."""
         _check_timeout(timeout_s)
+        self.check_thread()
         self._check_stop()
         executor = self._executor
         if executor.depth >= MOST_CALLS_DEEP and executor.is_on_own_thread:

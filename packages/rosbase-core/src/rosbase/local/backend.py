@@ -8,13 +8,14 @@ from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.node_connection import NodeConnection
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
 from rosbase.contracts.service_callback import check_service_type, service_answer
+from rosbase.contracts.service_server import ServiceServer
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
 from rosbase.local.node import LocalNode
-from rosbase.local.service_endpoints import LocalClient, LocalService
+from rosbase.local.service_client import LocalClient
 from rosbase.local.service_registry import type_name
 from rosbase.local.standard.offers import StandardOffers
 from rosbase.logger import make_logger
@@ -42,7 +43,7 @@ class LocalBackend(Backend):
         self._parameters = ParameterStore(options.parameter_overrides, logger.error, self.call_soon)
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
-        self._services: list[LocalService] = []
+        self._services: list[ServiceServer] = []
         self._clients: list[LocalClient[Any, Any]] = []
         self._closed = False
         self._standard = StandardOffers(self, self._bus, self._parameters, logger)
@@ -100,7 +101,7 @@ class LocalBackend(Backend):
         check_service_type(srv_type, srv_name)
         name = self._check(srv_name, "service")
         answer = service_answer(srv_type, name, callback)
-        service = LocalService(name, answer, self.executor, self._logger)
+        service = ServiceServer(name, answer, self.executor, self._logger)
         self._bus.services.add_provider(name, type_name(srv_type), service)
         self._services.append(service)
         return service

@@ -1,38 +1,17 @@
-"""Interfaces of services within one process: requests, providers and links."""
+"""Interfaces of services within one process: providers and links."""
 
 from collections.abc import Iterable
-from typing import Any, Protocol
+from typing import Protocol
 
-from rosbase.errors import ServiceError
+from rosbase.contracts.service_server import ServiceRequest
 
-__all__ = ["GONE", "Provider", "Request", "ServiceLinkEnd", "StandardServices"]
-
-GONE = "it went away before it answered"
-"""Reason of a call that fails because the service has ended."""
-
-
-class Request(Protocol):
-    """A request, and the place for its answer."""
-
-    request: Any
-
-    def done(self) -> bool:
-        """Return whether nobody waits for the answer any more."""
-        ...
-
-    def set_result(self, response: Any) -> bool:
-        """Set the answer; return False if nobody waits for it."""
-        ...
-
-    def set_exception(self, error: ServiceError) -> bool:
-        """Set an error instead; return False if nobody waits for it."""
-        ...
+__all__ = ["Provider", "ServiceLinkEnd", "StandardServices"]
 
 
 class Provider(Protocol):
     """A service of this process, or of another one behind a link."""
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Answer the request soon. Called on any thread."""
         ...
 

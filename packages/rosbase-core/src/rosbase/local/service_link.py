@@ -10,9 +10,8 @@ from itertools import count
 from types import NoneType
 from typing import Any
 
+from rosbase.contracts.service_server import MOST_WAITING, ServiceRequest
 from rosbase.errors import ServiceError, ServiceFailedError
-from rosbase.local.service_endpoints import MOST_WAITING
-from rosbase.local.service_interfaces import GONE, Request
 from rosbase.local.service_registry import ServiceRegistry
 
 __all__ = ["Kinds", "ServiceLink"]
@@ -49,7 +48,7 @@ class ServiceLink:
         self._told_standard: set[tuple[str, str]] = set()
         self._standard_there = _RemoteStandard(self)
         # What the other side was asked and has not answered.
-        self._asked: dict[int, tuple[str, Request]] = {}
+        self._asked: dict[int, tuple[str, ServiceRequest]] = {}
         self._unsent = 0
         self._lock = threading.Lock()
         self._numbers = count(1)
@@ -81,7 +80,7 @@ class ServiceLink:
             self._told_standard.symmetric_difference_update(changed)
             self._call_soon(partial(self._send, "standard", changed, is_there))
 
-    def ask(self, name: str, call: Request) -> None:
+    def ask(self, name: str, call: ServiceRequest) -> None:
         """Send a request to the other side. Call it from any thread."""
         with self._lock:
             is_full, is_closed = self._unsent >= MOST_WAITING, self._is_closed
@@ -91,7 +90,7 @@ class ServiceLink:
                 self._forget_late()
                 self._asked[number] = name, call
         if is_closed:
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
         elif is_full:
             reason = f"{MOST_WAITING} requests wait to be sent already"
             call.set_exception(ServiceFailedError(name, reason))
@@ -109,7 +108,7 @@ class ServiceLink:
             self._is_closed = True
             asked, self._asked = self._asked, {}
         for name, call in asked.values():
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
 
     def _forget_late(self) -> None:
         """Forget calls that have ended, if there are many: their answers may never come."""
@@ -119,7 +118,7 @@ class ServiceLink:
 
     # On the sending thread.
 
-    def _send_request(self, number: int, name: str, call: Request) -> None:
+    def _send_request(self, number: int, name: str, call: ServiceRequest) -> None:
         with self._lock:
             self._unsent -= 1
         if call.done():
@@ -176,7 +175,7 @@ class _RemoteService:
         self._name = name
         self._link = link
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Send the request to the other side."""
         self._link.ask(self._name, call)
 

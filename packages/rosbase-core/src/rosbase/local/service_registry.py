@@ -11,11 +11,10 @@ from typing import Any
 
 from attrs import define, field
 
+from rosbase.contracts.service_server import ServiceRequest
 from rosbase.errors import BackendError, ServiceFailedError
 from rosbase.local.service_interfaces import (
-    GONE,
     Provider,
-    Request,
     ServiceLinkEnd,
     StandardServices,
 )
@@ -32,7 +31,7 @@ class _Service:
     # Those of this process first.
     providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
     clients: tuple[Callable[[], object], ...] = ()
-    waiting: deque[Request] = field(factory=deque)
+    waiting: deque[ServiceRequest] = field(factory=deque)
 
     def provider_for(self, asking: ServiceLinkEnd | None) -> Provider | None:
         """Return the first that is not on the side of the process that asks."""
@@ -41,7 +40,7 @@ class _Service:
                 return provider
         return None
 
-    def take_waiting(self) -> deque[Request]:
+    def take_waiting(self) -> deque[ServiceRequest]:
         """Return the requests that have waited for a provider."""
         waiting, self.waiting = self.waiting, deque()
         return waiting
@@ -142,7 +141,7 @@ class ServiceRegistry:
         """Return whether there is a service of that name."""
         return self._provider(name, None) is not None
 
-    def send(self, name: str, call: Request) -> None:
+    def send(self, name: str, call: ServiceRequest) -> None:
         """Hand the request of a client to the service, now or when there is one."""
         with self._lock:
             service = self._services.get(name)
@@ -154,13 +153,13 @@ class ServiceRegistry:
         if provider is not None:
             provider.take(call)
 
-    def send_from(self, link: ServiceLinkEnd, name: str, call: Request) -> None:
+    def send_from(self, link: ServiceLinkEnd, name: str, call: ServiceRequest) -> None:
         """Hand a request of another process to the service."""
         with self._lock:
             provider = self._provider(name, link)
         if provider is None:
             # It was there when the other process sent the request.
-            call.set_exception(ServiceFailedError(name, GONE))
+            call.set_exception(ServiceFailedError(name))
         else:
             provider.take(call)
 

@@ -111,7 +111,7 @@ class CommandPlugin:
 
 
 def _of_ones_own(instance: object, attribute: "Attribute[type]", value: type) -> None:
-    if value.__module__ == messages.__name__:
+    if f"{value.__module__}.".startswith(f"{messages.__name__}."):
         raise ValueError(f"{value.__name__} is a message of rosbase, which every backend knows")
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from rosbase.contracts.service_callback import service_answer
-from rosbase.local.service_endpoints import LocalService
+from rosbase.contracts.service_server import ServiceServer
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.executor import Executor
 
@@ -16,7 +16,7 @@ Answers: TypeAlias = Mapping[str, tuple[Any, Callable[[Any], Any]]]
 
 def make_services(
     node: str, answers: Answers, executor: Executor, logger: RosbaseLogger
-) -> dict[str, LocalService]:
+) -> dict[str, ServiceServer]:
     """Return the services of a node by their names in the catalog.
 
     Args:
@@ -28,5 +28,5 @@ def make_services(
     made = {}
     for service, (kind, callback) in answers.items():
         name = f"{node}/{service}"
-        made[service] = LocalService(name, service_answer(kind, name, callback), executor, logger)
+        made[service] = ServiceServer(name, service_answer(kind, name, callback), executor, logger)
     return made

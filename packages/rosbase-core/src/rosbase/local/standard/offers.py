@@ -6,11 +6,10 @@ from typing import Any
 
 from rosbase.contracts.backend import Backend, Publisher
 from rosbase.contracts.parameter_store import ParameterStore
+from rosbase.contracts.service_server import ServiceRequest, ServiceServer
 from rosbase.errors import ServiceFailedError
 from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.bus import Bus
-from rosbase.local.service_endpoints import LocalService
-from rosbase.local.service_interfaces import GONE, Request
 from rosbase.local.service_registry import type_name
 from rosbase.local.standard.catalog import LIFECYCLE, PARAMETERS, TRANSITION_EVENT
 from rosbase.logger import RosbaseLogger
@@ -47,7 +46,7 @@ class StandardOffers:
         self._prefixes: dict[str, str] = {}
         self._lifecycles: dict[str, ManagedNode] = {}
         # What was asked for, by node and kind; guarded with _is_closed by the lock.
-        self._made: dict[tuple[str, str], dict[str, LocalService]] = {}
+        self._made: dict[tuple[str, str], dict[str, ServiceServer]] = {}
         self._is_closed = False
         self._lock = threading.Lock()
         self._events: dict[str, Publisher[Any]] = {}
@@ -87,7 +86,7 @@ class StandardOffers:
         """Return whoever answers requests for a service."""
         return _Offer(self, node, kind, service)
 
-    def take(self, node: str, kind: str, service: str, call: Request) -> None:
+    def take(self, node: str, kind: str, service: str, call: ServiceRequest) -> None:
         """Answer a request soon. Call it from any thread."""
         with self._lock:
             if self._is_closed:
@@ -97,7 +96,7 @@ class StandardOffers:
                     self._made[node, kind] = self._make(node, kind)
                 found = self._made[node, kind][service]
         if found is None:
-            call.set_exception(ServiceFailedError(f"{node}/{service}", GONE))
+            call.set_exception(ServiceFailedError(f"{node}/{service}"))
         else:
             found.take(call)
 
@@ -111,7 +110,7 @@ class StandardOffers:
             for service in services.values():
                 service.close()
 
-    def _make(self, node: str, kind: str) -> dict[str, LocalService]:
+    def _make(self, node: str, kind: str) -> dict[str, ServiceServer]:
         from rosbase.local.standard.node_services import make_services
 
         if kind == LIFECYCLE:
@@ -151,6 +150,6 @@ class _Offer:
     def __init__(self, offers: StandardOffers, node: str, kind: str, service: str) -> None:
         self._take = partial(offers.take, node, kind, service)
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Answer the request soon."""
         self._take(call)

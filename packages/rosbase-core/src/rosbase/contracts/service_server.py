@@ -1,61 +1,60 @@
-"""The two ends of a service: a client hands its requests to the one that answers them."""
+"""The serving end of a service: requests wait for the thread that spins, which answers them."""
 
 from collections import deque
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol
 
-from rosbase.contracts.service_call import ServiceCall
-from rosbase.contracts.service_client import ServiceClient
-from rosbase.contracts.services import ServiceType
 from rosbase.errors import ServiceError, ServiceFailedError, ServiceStoppedError
-from rosbase.local.service_interfaces import GONE, Request
-from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.executor import Executor
 from rosbase.text.printable import one_line
 
-__all__ = ["MOST_WAITING", "LocalClient", "LocalService"]
-
-RequestT = TypeVar("RequestT")
-ResponseT = TypeVar("ResponseT")
+__all__ = ["MOST_WAITING", "ServiceRequest", "ServiceServer"]
 
 MOST_WAITING = 1000
 """Number of requests that wait for one service at most."""
 
 
-class LocalClient(ServiceClient[RequestT, ResponseT]):
-    """A client of the services of this process, and of those behind its links."""
+class ServiceRequest(Protocol):
+    """A request, and the place for its answer."""
 
-    def __init__(
-        self,
-        srv_type: ServiceType[RequestT, ResponseT],
-        name: str,
-        executor: Executor,
-        registry: ServiceRegistry,
-    ) -> None:
-        super().__init__(srv_type, name, executor)
-        self._registry = registry
+    request: Any
 
-    def service_is_ready(self) -> bool:
-        """Return whether the service is there."""
-        return self._registry.is_served(self.service_name)
+    def done(self) -> bool:
+        """Return whether nobody waits for the answer any more."""
+        ...
 
-    def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
-        """Send the request of a call as soon as the service is there."""
-        self._registry.send(self.service_name, call)
+    def set_result(self, response: Any) -> bool:
+        """Set the answer; return False if nobody waits for it."""
+        ...
+
+    def set_exception(self, error: ServiceError) -> bool:
+        """Set an error instead; return False if nobody waits for it."""
+        ...
 
 
-class LocalService:
-    """Answers requests on the thread that spins."""
+class ServiceServer:
+    """Answers the requests of a service on the thread that spins.
+
+    A backend creates one for each of its services, and hands it the requests.
+    """
 
     def __init__(
         self, name: str, answer: Callable[[Any], Any], executor: Executor, logger: RosbaseLogger
     ) -> None:
+        """Prepare a service.
+
+        Args:
+            name: Its full name.
+            answer: Answers a request; see `service_answer`.
+            executor: The executor of the backend.
+            logger: Logs the exceptions of `answer`.
+        """
         self._name = name
         self._answer = answer
         self._executor = executor
         self._logger = logger
-        self._waiting: deque[Request] = deque()
+        self._waiting: deque[ServiceRequest] = deque()
         self._is_closed = False
 
     @property
@@ -63,7 +62,7 @@ class LocalService:
         """Full name of the service."""
         return self._name
 
-    def take(self, call: Request) -> None:
+    def take(self, call: ServiceRequest) -> None:
         """Queue a request. Call it from any thread."""
         if len(self._waiting) >= MOST_WAITING:
             call.set_exception(self._failed(f"{MOST_WAITING} requests wait for it already"))
@@ -119,7 +118,7 @@ class LocalService:
                 call = self._waiting.popleft()
             except IndexError:
                 return
-            call.set_exception(self._failed(GONE))
+            call.set_exception(ServiceFailedError(self._name))
 
     def _failed(self, reason: str) -> ServiceFailedError:
         return ServiceFailedError(self._name, reason)

@@ -1,0 +1,36 @@
+"""The client of a service: hands its requests to the one that answers them."""
+
+from typing import TypeVar
+
+from rosbase.contracts.service_call import ServiceCall
+from rosbase.contracts.service_client import ServiceClient
+from rosbase.contracts.services import ServiceType
+from rosbase.local.service_registry import ServiceRegistry
+from rosbase.runtime.executor import Executor
+
+__all__ = ["LocalClient"]
+
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
+
+
+class LocalClient(ServiceClient[RequestT, ResponseT]):
+    """A client of the services of this process, and of those behind its links."""
+
+    def __init__(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        name: str,
+        executor: Executor,
+        registry: ServiceRegistry,
+    ) -> None:
+        super().__init__(srv_type, name, executor)
+        self._registry = registry
+
+    def service_is_ready(self) -> bool:
+        """Return whether the service is there."""
+        return self._registry.is_served(self.service_name)
+
+    def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
+        """Send the request of a call as soon as the service is there."""
+        self._registry.send(self.service_name, call)
