@@ -1,12 +1,17 @@
 """SIGINT, SIGTERM and SIGHUP: what each wish does, wherever the program is."""
 
+import importlib
 import os
 import random
 import signal
+import sys
 import time
+import weakref
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from types import FrameType
 
 import pytest
 from hypothesis import given
@@ -16,6 +21,7 @@ import rosbase.runtime.stopping.signals as stopping
 from rosbase import BaseManager
 from rosbase.runtime.signal_masks import STOP_SIGNALS, background_thread
 from rosbase.runtime.stopping import Wishes
+from rosbase.runtime.stopping.interrupt import Interrupt
 from support.blocking_program import (
     BLOCKING_PROGRAM,
     expect_a_clean_end,
@@ -328,6 +334,52 @@ def test_signals_at_random_moments_end_by_the_rules(number: int, tmp_path: Path)
         wishes = Wishes()
         counted = [wishes.add(int(1.1 * at_s * S)) for at_s in sent]
         assert sum(counted) >= 3, (place, gaps_s, sent)
+
+
+def drop_from_a_set() -> None:
+    kept = weakref.WeakSet([Interrupt(KeyboardInterrupt)])
+    assert not kept
+
+
+def drop_a_value() -> None:
+    kept = weakref.WeakValueDictionary({1: Interrupt(KeyboardInterrupt)})
+    assert not kept
+
+
+def drop_a_key() -> None:
+    kept = weakref.WeakKeyDictionary({Interrupt(KeyboardInterrupt): 1})
+    assert not kept
+
+
+def import_anew() -> None:
+    sys.modules.pop("colorsys", None)
+    importlib.import_module("colorsys")
+
+
+@pytest.mark.parametrize("drop", [drop_from_a_set, drop_a_value, drop_a_key, import_anew])
+def test_nothing_is_raised_where_python_would_print_it_and_go_on(drop: Callable[[], None]) -> None:
+    interrupt = Interrupt(lambda frame: KeyboardInterrupt())
+    interrupt._due_ns = 1
+    callbacks, raised = [], []
+
+    def look(frame: FrameType, event: str, argument: object) -> None:
+        if frame.f_code.co_name in ("cb", "remove", "_remove"):
+            callbacks.append(frame.f_code)
+            try:
+                interrupt.raise_in(frame)
+            except KeyboardInterrupt:
+                raised.append(frame.f_code)
+
+    before = sys.gettrace()
+    sys.settrace(look)
+    try:
+        drop()
+    finally:
+        sys.settrace(before)
+    assert callbacks
+    assert not raised
+    with pytest.raises(KeyboardInterrupt):
+        interrupt.raise_in(sys._getframe())
 
 
 @given(st.lists(st.integers(0, 3 * S), min_size=1))

@@ -34,6 +34,7 @@ INTERNAL = {
         "roles.shutdown",
         "runtime.early_wake",
         "runtime.stopping",
+        "runtime.waiting",
         "text.toml",
     ),
 }

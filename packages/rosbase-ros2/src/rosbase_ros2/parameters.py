@@ -25,30 +25,14 @@ from rosbase import (
     parse_written,
     refused,
 )
+from rosbase.parameters.described import KIND_NUMBERS, constraints, value_range
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.written import is_guess_of
 
 __all__ = ["Overrides", "RosParameters"]
 
-_TYPES = {
-    ParameterKind.BOOL: RosParameter.Type.BOOL,
-    ParameterKind.INTEGER: RosParameter.Type.INTEGER,
-    ParameterKind.DOUBLE: RosParameter.Type.DOUBLE,
-    ParameterKind.STRING: RosParameter.Type.STRING,
-    ParameterKind.BYTE_ARRAY: RosParameter.Type.BYTE_ARRAY,
-    ParameterKind.BOOL_ARRAY: RosParameter.Type.BOOL_ARRAY,
-    ParameterKind.INTEGER_ARRAY: RosParameter.Type.INTEGER_ARRAY,
-    ParameterKind.DOUBLE_ARRAY: RosParameter.Type.DOUBLE_ARRAY,
-    ParameterKind.STRING_ARRAY: RosParameter.Type.STRING_ARRAY,
-}
-_WHEN = {
-    "always": "",
-    "inactive": "set it while inactive or unconfigured",
-    "unconfigured": "set it while unconfigured",
-}
-_HUGE = 1.7976931348623157e308
-_INT64 = 2**63
+_TYPES = {kind: RosParameter.Type(number) for kind, number in KIND_NUMBERS.items()}
 
 
 @frozen
@@ -251,33 +235,18 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _constraints(spec: ParameterSpec) -> str:
-    choices = f"one of {', '.join(spec.choices)}" if spec.choices else ""
-    return "; ".join(filter(None, (choices, _WHEN[spec.change_time])))
-
-
 def _descriptor(spec: ParameterSpec) -> Any:
     descriptor = ParameterDescriptor(
         description=spec.description,
-        additional_constraints=_constraints(spec),
+        additional_constraints=constraints(spec),
         # A whole number is taken where a double is due; `check_value` decides about the rest.
         dynamic_typing=True,
         read_only=spec.read_only,
     )
-    if spec.minimum is not None or spec.maximum is not None:
-        least, most = spec.minimum, spec.maximum
+    if limits := value_range(spec):
+        least, most = limits
         if spec.kind is ParameterKind.INTEGER:
-            descriptor.integer_range = [
-                IntegerRange(
-                    from_value=-_INT64 if least is None else int(least),
-                    to_value=_INT64 - 1 if most is None else int(most),
-                )
-            ]
-        elif spec.kind is ParameterKind.DOUBLE:
-            descriptor.floating_point_range = [
-                FloatingPointRange(
-                    from_value=-_HUGE if least is None else float(least),
-                    to_value=_HUGE if most is None else float(most),
-                )
-            ]
+            descriptor.integer_range = [IntegerRange(from_value=least, to_value=most)]
+        else:
+            descriptor.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
     return descriptor

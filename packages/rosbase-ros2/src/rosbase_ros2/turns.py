@@ -25,6 +25,7 @@ class Turns:
         self._running: dict[Any, int] = {}
         # Weak: nobody says here that a task has been cancelled.
         self._waiting: WeakSet[Any] = WeakSet()
+        self._have_waited = False
         self._events = 0
         # A finalizer or a signal handler may create something on the node, in the middle of this.
         self._lock = threading.RLock()
@@ -54,8 +55,11 @@ class Turns:
             turn, or others, which may wait for what it has done.
         """
         with self._lock:
-            is_behind = not is_over and self._events != self._running[task]
-            del self._running[task]
+            is_behind = self._running.pop(task) != self._events
+            if is_over and not self._have_waited:
+                # As in most programs: this is on the way of every message.
+                self._events += 1
+                return False
             is_first = task not in self._waiting
             self._waiting.discard(task)
             has_others = False
@@ -65,5 +69,6 @@ class Turns:
                 self._events += 1
                 has_others = len(self._waiting) > 0
             if not is_over:
+                self._have_waited = True
                 self._waiting.add(task)
-            return is_behind or has_others
+            return has_others or (is_behind and not is_over)

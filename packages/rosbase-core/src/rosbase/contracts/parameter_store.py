@@ -117,9 +117,10 @@ class ParameterRules:
     def _of(self, callback: object, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
         """Return the parameters of the node whose callback it is: other nodes may share them."""
         prefix = getattr(callback, "prefix", "")
-        return [p for p in parameters if self._prefix_of(p.name) == prefix]
+        return [p for p in parameters if self.prefix_of(p.name) == prefix]
 
-    def _prefix_of(self, name: str) -> str:
+    def prefix_of(self, name: str) -> str:
+        """Return the beginning of a name that stands for its node; empty if there is none."""
         spec = self._specs.get(name)
         return name.removesuffix(spec.general_name) if spec and spec.general_name else ""
 
@@ -185,6 +186,10 @@ class ParameterStore(ParameterRules):
             raise ParameterError(f"parameter {name} has not been declared") from None
         # Whoever changes the list would get around the checks.
         return Parameter(name, list(found.value)) if isinstance(found.value, list) else found
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters, in the order of declaration."""
+        return list(self._values)
 
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""

@@ -8,7 +8,8 @@ from rosbase.contracts.service_call import ServiceCall
 from rosbase.contracts.service_client import ServiceClient
 from rosbase.contracts.services import ServiceType
 from rosbase.errors import ServiceError, ServiceFailedError, ServiceStoppedError
-from rosbase.local.service_registry import GONE, Request, ServiceRegistry
+from rosbase.local.service_interfaces import GONE, Request
+from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.executor import Executor
 from rosbase.text.printable import one_line
