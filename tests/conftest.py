@@ -22,6 +22,9 @@ for _signum in (signal.SIGHUP, signal.SIGINT):
     if signal.getsignal(_signum) is signal.SIG_IGN:
         signal.signal(_signum, signal.SIG_DFL)
 
+# ROS reads it when a class of messages is imported, which is before any fixture.
+os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+
 _STRANGE = ("NO_COLOR", "PYTHONUNBUFFERED")
 _FDS = Path("/proc/self/fd")
 _CHILDREN = Path("/proc/self/task")
