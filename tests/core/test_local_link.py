@@ -25,7 +25,7 @@ class Side:
 
     def __init__(self, end: socket.socket, name: str) -> None:
         self.bus = Bus()
-        self.records: list[tuple[int, str]] = []
+        self.records: list[tuple[int, str, bool]] = []
         self.backend = LocalBackend(BackendOptions(name), self.bus)
         connection: Connection[Any, Any] = Connection(end.detach())
         self.link = Link(self.bus, connection, name, lambda *record: self.records.append(record))
@@ -176,7 +176,9 @@ def test_a_deeper_subscription_deepens_the_link(sides: tuple[Side, Side]) -> Non
 def test_records_arrive_with_their_level(sides: tuple[Side, Side]) -> None:
     here, there = sides
     here.link.send_record(30, "hot")
-    wait_until(lambda: there.records == [(30, "hot")], "the record")
+    here.link.send_record(10, "warm", is_chosen=True)
+    expected = [(30, "hot", False), (10, "warm", True)]
+    wait_until(lambda: there.records == expected, "the records")
 
 
 def test_the_end_of_the_other_process_ends_the_audience(sides: tuple[Side, Side]) -> None:
@@ -329,8 +331,8 @@ def test_what_cannot_be_read_is_reported_and_the_next_message_is_taken(
     here.link.start()
     there: Connection[Any, Any] = Connection(ends[1].detach())
     there.send_bytes(b"junk")
-    there.send(("record", 20, "fine"))
-    wait_until(lambda: here.records == [(20, "fine")], "the record")
+    there.send(("record", 20, "fine", False))
+    wait_until(lambda: here.records == [(20, "fine", False)], "the record")
     assert "here: what it sends cannot be read: UnpicklingError" in caplog.text
     there.close()
     here.link.close()
@@ -349,15 +351,15 @@ def test_whoever_asks_is_told_what_cannot_be_read_and_nothing_more_is_taken(
 ) -> None:
     ends = socket.socketpair()
     faults: list[str] = []
-    records: list[str] = []
+    records: list[tuple[int, str, bool]] = []
     connection: Connection[Any, Any] = Connection(ends[0].detach())
-    link = Link(Bus(), connection, "here", lambda _, text: records.append(text), faults.append)
+    link = Link(Bus(), connection, "here", lambda *record: records.append(record), faults.append)
     link.start()
     with ends[1]:
         ends[1].sendall(junk)
         wait_until(lambda: faults, "the reason")
         there: Connection[Any, Any] = Connection(ends[1].detach())
-        there.send(("record", 20, "late"))
+        there.send(("record", 20, "late", False))
         link.close()
         there.close()
     assert [fault.startswith(why) for fault in faults] == [True]
@@ -371,7 +373,7 @@ def test_a_message_that_is_too_large_is_reported_and_the_rest_goes_on(
     here, there = sides
     here.link.send_record(20, "x" * 20_000)
     here.link.send_record(20, "fine")
-    wait_until(lambda: there.records == [(20, "fine")], "the record")
+    wait_until(lambda: there.records == [(20, "fine", False)], "the record")
     assert "here: cannot send a message of 20" in caplog.text
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "DeviceBusyError",
     "DeviceNotFoundError",
     "DevicePermissionError",
+    "GivenParameterError",
     "HandshakeTimeoutError",
     "MappingError",
     "NotADeviceError",
@@ -56,6 +57,10 @@ class ConfigurationError(RosbaseError):
 
 class ParameterError(ConfigurationError):
     """A parameter is unknown, of the wrong type, or out of its range."""
+
+
+class GivenParameterError(ParameterError):
+    """A value from outside the program is not one of its parameter."""
 
 
 class NotInstalledError(ConfigurationError):

@@ -10,6 +10,7 @@ from rcl_interfaces.msg import SetParametersResult as RosResult
 from rclpy.parameter import Parameter as RosParameter
 
 from rosbase import (
+    GivenParameterError,
     Parameter,
     ParameterError,
     ParameterKind,
@@ -71,7 +72,10 @@ class Overrides:
             if name in self.of_program:
                 return check_value(spec, self.of_program[name])
             if name in self.guessed:
-                return self._given(spec, name)
+                try:
+                    return self._given(spec, name)
+                except ParameterError as error:
+                    raise GivenParameterError(str(error)) from error
         return check_value(spec, spec.default)
 
     def _given(self, spec: ParameterSpec, name: str) -> ParameterValue:
@@ -121,9 +125,22 @@ class RosParameters:
         self.add_post_callback = self._rules.add_post_callback
         """Call a callback on the main loop after parameters were set."""
         self._call_soon = call_soon
+        self._describe_transition: Callable[[], str] = str
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._tell)
+
+    def watch_transitions(self, describe_transition: Callable[[], str]) -> None:
+        """Refuse at once, while a transition runs, what may not change in every state.
+
+        The main loop, which may run the transition, could only be asked later.
+        """
+        self._describe_transition = describe_transition
+
+    def _busy(self, parameters: Sequence[Parameter[Any]]) -> str:
+        specs = [self._rules.find(parameter.name) for parameter in parameters]
+        is_limited = any(spec is not None and spec.change_time != "always" for spec in specs)
+        return self._describe_transition() if is_limited else ""
 
     def declare(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare the parameter on the node, with its value from outside if there is one.
@@ -222,6 +239,8 @@ class RosParameters:
         except ParameterError as error:
             return RosResult(successful=False, reason=str(error))
         if checked and self._rules.has_callbacks:
+            if reason := self._busy(checked):
+                return RosResult(successful=False, reason=reason)
             answer = self._questions.ask(lambda: self._rules.ask(checked), refused)
             return RosResult(successful=bool(answer.successful), reason=answer.reason)
         return RosResult(successful=True)
