@@ -30,6 +30,9 @@ ROOT_DOC = [
     NOTE,
 ]
 
+PARTS = {"Request": "its requests", "Response": "its answers"}
+"""Classes of a service."""
+
 # Those whose messages are also in `rosbase.messages`, because robots send them.
 SENT = (
     "std_msgs",
@@ -138,6 +141,8 @@ class MessageFile:
         used = "\n".join(body)
         head = [f'"""{NOTE}"""', ""]
         needed = [name for name in ("Annotated", "ClassVar") if f"{name}[" in used]
+        needed += ["TYPE_CHECKING"] if "TYPE_CHECKING" in used else []
+        needed.sort(key=lambda name: (not name.isupper(), name))
         if needed:
             head += [f"from typing import {', '.join(needed)}", ""]
         head += ["from attrs import frozen", ""]
@@ -264,8 +269,13 @@ class MessageFile:
             f'    """Service {self.package}/srv/{name} of ROS."""',
             "",
         )
-        yield f"    Request = {name}_Request"
-        yield f"    Response = {name}_Response"
+        # Pyright takes no assignment for a class of a service, and mypy no variable for a type.
+        yield "    if TYPE_CHECKING:"
+        for part, what in PARTS.items():
+            yield from ("", f"        class {part}({name}_{part}):")
+            yield f'            """Class of {what}."""'
+        yield from ("", "    else:")
+        yield from (f"        {part} = {name}_{part}" for part in PARTS)
 
 
 def lazy_module(doc: list[str], where: dict[str, str]) -> str:
