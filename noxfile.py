@@ -40,6 +40,17 @@ TERMINAL = "pyte>=0.8"
 # Renders the template for a plugin; pyright with its own Node.js, from the package index too.
 PROGRAM_TOOLS = ["copier>=9", "pyright[nodejs]==1.1.414"]
 LINTERS = ["ruff==0.17.6"]
+# The packages of which rosbase has the messages; rclpy brings the others.
+ROS_MESSAGES = [
+    f"ros-jazzy-{name}"
+    for name in (
+        *("diagnostic-msgs", "geometry-msgs", "lifecycle-msgs", "nav-msgs", "rclpy[fastrtps]"),
+        *("sensor-msgs", "std-msgs", "std-srvs", "trajectory-msgs", "visualization-msgs"),
+    )
+]
+# What our bytes, schemas and hashes are compared with.
+WIRE_ORACLES = ["numpy", "ros-jazzy-test-msgs", "rosbags>=0.10", *ROS_MESSAGES]
+MESSAGES = PACKAGES / "rosbase-core/src/rosbase/messages"
 # The front page shows the screen of a command.
 SITE_TOOLS = [
     "sphinx==9.0.4",
@@ -72,7 +83,7 @@ ENDS = sorted({PYTHONS[0], PYTHONS[-1]}, key=PYTHONS.index)
 nox.options.sessions = [
     "tests",
     *(f"{name}-{python}" for name in ("ros2", "integration") for python in ENDS),
-    *(f"{name}-{TOOLS_PYTHON}" for name in ("authors", "docs", "colcon")),
+    *(f"{name}-{TOOLS_PYTHON}" for name in ("authors", "docs", "colcon", "messages")),
     *("lint", "typing", "imports", "demo", "build"),
 ]
 
@@ -115,7 +126,8 @@ def _install(session: nox.Session, *names: str) -> None:
 def tests(session: nox.Session, distribution: str) -> None:
     """The tests of one distribution, with nothing else of ours installed."""
     names, folder = DISTRIBUTIONS[distribution]
-    session.install(*TEST_TOOLS)
+    # Buffers of messages may be arrays of numpy, which rosbase itself never imports.
+    session.install("numpy", *TEST_TOOLS)
     _install(session, *names)
     _test_on_each(session, folder)
 
@@ -123,10 +135,28 @@ def tests(session: nox.Session, distribution: str) -> None:
 @nox.session(python=PYTHONS)
 def ros2(session: nox.Session) -> None:
     """The tests on real rclpy, from the package index, and in other processes."""
-    # An action, and services of the usual kind, which no package has that ours needs.
-    session.install("ros-jazzy-std-srvs", "ros-jazzy-test-msgs", *TEST_TOOLS)
+    # With an action, which no package has that ours needs.
+    session.install(*WIRE_ORACLES, *TEST_TOOLS)
     _install(session, *ALL)
     _test_on_each(session, "tests/ros2")
+
+
+@nox.session(python=TOOLS_PYTHON)
+def messages(session: nox.Session) -> None:
+    """Generate the messages anew from the ROS packages; fails if they were out of date."""
+    session.install(*ROS_MESSAGES, *LINTERS)
+    before = _texts(MESSAGES)
+    session.run("python", "tools/generate_messages.py")
+    session.run("ruff", "check", "-q", "--fix", "--select", "I,RUF022", str(MESSAGES))
+    session.run("ruff", "format", "-q", str(MESSAGES))
+    after = _texts(MESSAGES)
+    changed = sorted(name for name in before | after if before.get(name) != after.get(name))
+    if changed:
+        session.error(f"were out of date, and are generated anew: {', '.join(changed)}")
+
+
+def _texts(folder: Path) -> dict[str, str]:
+    return {str(file.relative_to(folder)): file.read_text() for file in folder.rglob("*.py")}
 
 
 @nox.session(python=PYTHONS)
@@ -150,7 +180,7 @@ def authors(session: nox.Session) -> None:
 @nox.session(python=TOOLS_PYTHON)
 def docs(session: nox.Session) -> None:
     """The site, built and looked at; every code block of the READMEs and the documentation, run."""
-    session.install(*TEST_TOOLS, *SITE_TOOLS)
+    session.install("numpy", *TEST_TOOLS, *SITE_TOOLS)
     _install(session, *DISTRIBUTIONS)
     # What it declares is on the site; to say so, it needs no ROS.
     session.install("--no-deps", "--force-reinstall", str(PACKAGES / "rosbase-ros2"))
@@ -183,7 +213,7 @@ def lint(session: nox.Session) -> None:
 def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
     # It checks for the oldest Python, which has no `tomllib`.
-    session.install("mypy==2.4.1", "nox", "tomli>=2", "types-pyserial")
+    session.install("mypy==2.4.1", "nox", "numpy", "tomli>=2", "types-pyserial")
     session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
@@ -263,6 +293,17 @@ def million(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def wire(session: nox.Session) -> None:
+    """A million random messages of all classes, beside rclpy: some ten minutes."""
+    session.install(*WIRE_ORACLES, *TEST_TOOLS)
+    _install(session, *ALL)
+    # There are about two hundred classes.
+    cases = {"ROSBASE_WIRE_CASES": "6000"}
+    test = "tests/ros2/test_wire_oracle.py"
+    session.run("pytest", "-q", "-n", "2", test, *session.posargs, env=cases)
+
+
+@nox.session(default=False)
 def signals(session: nox.Session) -> None:
     """Two hundred programs, with two or three signals each at random moments: some ten minutes."""
     session.install(*TEST_TOOLS)
@@ -275,7 +316,7 @@ def signals(session: nox.Session) -> None:
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     # The loop beside which `precise_loop` puts ours.
-    session.install("horus-robotics==0.4.1")
+    session.install("horus-robotics==0.4.1", *WIRE_ORACLES)
     _install(session, *ALL)
     for benchmark in sorted(Path("tests/benchmarks").glob("*.py")):
         if not session.posargs or benchmark.stem in session.posargs:

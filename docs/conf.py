@@ -23,6 +23,7 @@ from generators import (
     roles,
     search,
     values,
+    widths,
 )
 
 project = "rosbase"
@@ -60,10 +61,15 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(_thread|abc|argparse|collections|enum|logging|pathlib|random|threading)\..*"),
     (r"py:class", r"hypothesis\..*"),
     # What only rosbase itself makes.
-    (r"py:class", r"rosbase\.(local|plugins\.discovery|plugins\.switches|processes\.launch)\..*"),
+    (
+        r"py:class",
+        r"rosbase\.(local|wire\.description|plugins\.discovery|plugins\.switches|processes\.launch)\..*",
+    ),
     (r"py:class", r"rosbase\.roles\.construction\..*"),
     # The part of a manager that its components see.
     (r"py:class", r"rosbase\.roles\.context\.ManagerContext"),
+    # The types of ROS, in the fields of messages.
+    (r"py:.*", r"u?int\d+|float\d+|byte|char|w?string|Buffer|Fixed|AtMost"),
     # Types that stand for any.
     (r"py:.*", r"[\w.]+[a-z]T(_co|_contra)?"),
 ]
@@ -97,5 +103,7 @@ def setup(app: Any) -> None:
     app.connect("env-check-consistency", names.complain_of_missing)
     app.connect("doctree-read", mermaid.replace)
     app.connect("doctree-read", values.shorten)
+    app.connect("doctree-read", widths.replace)
+    app.connect("autodoc-process-signature", widths.simplify_signature)
     # Before napoleon, which reads what is left.
     app.connect("autodoc-process-docstring", docstrings.prepare, priority=400)

@@ -4,15 +4,16 @@
 so its one message is below.
 """
 
+import ast
 import importlib
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import tomllib
-from rosbags.typesys import Stores, get_typestore
 
 MODULES = Path(__file__).parent.parent / "packages/rosbase-core/src/rosbase/messages"
 DOCS = tomllib.loads(Path(__file__).with_name("message_docs.toml").read_text())
@@ -62,8 +63,9 @@ NUMBERS = {
         for bits in (8, 16, 32, 64)
     },
 }
-# rclpy does not say how wide a constant is.
-DEFINITIONS = get_typestore(Stores.ROS2_JAZZY).fielddefs
+# rclpy does not say how wide a constant is, so it is read where ROS keeps its definitions.
+DEFINITIONS = Path(sys.prefix) / "share"
+CONSTANT = re.compile(r"(?P<type>[a-z]+\d*)\s+(?P<name>[A-Z]\w*)\s*=\s*(?P<value>[^#]+)")
 TEXTS = {"string": "str", "wstring": "ros.WString"}
 TYPE = re.compile(
     r"(?P<form>sequence<)?(?P<element>[\w/]+?)(?:<(?P<text>\d+)>)?(?:, (?P<most>\d+)>|>)?"
@@ -98,6 +100,18 @@ def ros_class(package: str, kind: str, name: str) -> Any:
     if package == "tf2_msgs":
         return Tf2Message
     return getattr(importlib.import_module(f"{package}.{kind}"), name)
+
+
+def definition(package: str, kind: str, name: str) -> str:
+    """Return the text that defines a message, or the part of a service."""
+    if package == "tf2_msgs":
+        return ""
+    service, _, part = name.partition("_")
+    text = (DEFINITIONS / package / kind / f"{service}.{kind}").read_text()
+    if kind == "msg":
+        return text
+    request, _, response = text.partition("\n---")
+    return request if part == "Request" else response
 
 
 def stem(name: str) -> str:
@@ -148,6 +162,10 @@ class MessageFile:
         constants = list(self._constants(name, kind, docs))
         if constants:
             lines += ["", *constants]
+        known = {"doc", *found.get_fields_and_field_types()}
+        known |= {line.split(":")[0].strip() for line in constants}
+        if strange := docs.keys() - known:
+            raise ValueError(f"message_docs.toml: {name} has no {', '.join(strange)}")
         return lines + (["", *fields] if fields else [])
 
     def _found(self, name: str, kind: str) -> Any:
@@ -171,12 +189,13 @@ class MessageFile:
         ]
 
     def _constants(self, name: str, kind: str, docs: dict[str, str]) -> Iterator[str]:
-        constants, _ = DEFINITIONS.get(f"{self.package}/{kind}/{name}", ((), ()))
-        for constant, ros, value in constants:
-            plain = value[0] if isinstance(value, bytes) else value
-            yield f"    {constant}: ClassVar[{({**NUMBERS, **TEXTS})[ros]}] = {plain!r}"
-            if constant in docs:
-                yield f'    """{docs[constant]}"""'
+        for line in definition(self.package, kind, name).splitlines():
+            if match := CONSTANT.match(line):
+                constant, value = match["name"], ast.literal_eval(match["value"].strip())
+                kind_of_value = {**NUMBERS, **TEXTS}[match["type"]]
+                yield f"    {constant}: ClassVar[{kind_of_value}] = {value!r}"
+                if constant in docs:
+                    yield f'    """{docs[constant]}"""'
 
     def _field(self, of: str, found: Any, name: str, ros: str) -> Iterator[str]:
         match = TYPE.fullmatch(ros)

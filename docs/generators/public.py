@@ -13,6 +13,7 @@ __all__ = ["GROUPS", "tables"]
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Roles": ("roles", "manager", "lifecycle"),
+    "Messages": ("messages",),
     "Child processes": ("processes",),
     "Quality of service": ("qos",),
     "Parameters": ("parameters", "contracts.parameter_store"),

@@ -23,7 +23,7 @@ SPECS = (
     ParameterSpec("device", "x", change_time="unconfigured"),
 )
 CHANGES: dict[str, Any] = {"gain": 2.0, "topic": "b", "device": "y"}
-NEXT = "takes effect at the next configure: set it while unconfigured"
+NEXT = "cannot be set while {}: set it while unconfigured"
 NOT_ACTIVE = "cannot be set while active: set it while inactive or unconfigured"
 NEVER = "cannot be set any more: the node is finalized"
 REFUSED = {
@@ -72,7 +72,7 @@ def test_a_change_is_taken_or_refused_with_the_state_in_which_it_would_count(
     state: State, name: str
 ) -> None:
     node = node_in(state)
-    reason = REFUSED[state].get(name, "")
+    reason = REFUSED[state].get(name, "").format(state.name.lower())
     result = node.set_parameter(name, CHANGES[name])
     assert (result.successful, result.reason) == (
         not reason,
@@ -96,7 +96,7 @@ def test_the_value_that_a_parameter_has_is_never_refused(state: State) -> None:
 def test_of_several_parameters_none_is_set_if_one_may_not_change() -> None:
     node = node_in(State.ACTIVE)
     result = node.set_parameters([Parameter("gain", 3.0), Parameter("device", "z")])
-    assert result.reason == f"parameter device {NEXT}"
+    assert result.reason == f"parameter device {NEXT}".format(node.get_state().name.lower())
     assert node.get_parameter("gain").value == 1.0
     node.destroy_node()
 
@@ -118,7 +118,9 @@ def test_without_a_callback_of_the_program_it_is_refused_too() -> None:
     node = LifecycleNode(backend=virtual_backend())
     node.declare_parameter("device", "x", SPECS[2])
     node.trigger_configure()
-    assert node.set_parameter("device", "y").reason == f"parameter device {NEXT}"
+    assert node.set_parameter("device", "y").reason == f"parameter device {NEXT}".format(
+        node.get_state().name.lower()
+    )
     node.destroy_node()
 
 
@@ -148,3 +150,17 @@ def test_a_fault_of_the_callback_names_the_callback_of_the_program(
 def test_another_time_is_an_error(change_time: Any) -> None:
     with pytest.raises(ValueError, match="change_time"):
         ParameterSpec("device", "x", change_time=change_time)
+
+
+def test_a_callback_of_a_transition_may_set_what_it_has_found() -> None:
+    class Finder(LifecycleNode):
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            self.result = self.set_parameter("device", "found")
+            return CallbackReturn.SUCCESS
+
+    node = Finder(backend=virtual_backend())
+    node.declare_parameter("device", "x", SPECS[2])
+    node.trigger_configure()
+    assert node.result.successful
+    assert node.get_parameter("device").value == "found"
+    node.destroy_node()

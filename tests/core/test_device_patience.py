@@ -1,7 +1,6 @@
 """A device that is busy when it is to be opened is given some seconds, as long as nobody ends."""
 
 import threading
-import time
 from collections.abc import Callable
 
 import pytest
@@ -19,6 +18,7 @@ from rosbase.errors import (
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.wake_pipe import WakePipe
 from rosbase.testing import ManualClock, RecordingSubscriber
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 BUSY = DeviceBusyError("the port is in use by process 7 (ModemManager)")
@@ -144,9 +144,9 @@ def test_an_open_that_waits_gives_way_to_whoever_ends(ending: str) -> None:
     thread.start()
     wait_until(lambda: opener.tries > 3, "some tries")
     assert thread.is_alive()
-    begin = time.monotonic()
-    getattr(transport, ending)()
-    assert time.monotonic() - begin < 0.5
+    with Stopwatch() as watch:
+        getattr(transport, ending)()
+        assert watch.took_s < 0.5
     thread.join(10)
     assert [str(error) for error in refused] == [str(BUSY)]
     transport.close()

@@ -12,7 +12,7 @@ from attrs import frozen
 from rosbase.contracts.backend import BackendOptions, Publisher
 from rosbase.local import Bus, LocalBackend
 from rosbase.local.link import Link
-from rosbase.messages import Header, Imu, Time, Vector3
+from rosbase.messages import Header, Image, Imu, Time, Vector3
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, qos_profile_sensor_data
 from support.waiting import wait_until
 
@@ -25,7 +25,7 @@ class Side:
 
     def __init__(self, end: socket.socket, name: str) -> None:
         self.bus = Bus()
-        self.records: list[tuple[int, str]] = []
+        self.records: list[tuple[int, str, bool]] = []
         self.backend = LocalBackend(BackendOptions(name), self.bus)
         connection: Connection[Any, Any] = Connection(end.detach())
         self.link = Link(self.bus, connection, name, lambda *record: self.records.append(record))
@@ -121,7 +121,8 @@ def test_a_slow_receiver_loses_the_oldest_and_never_blocks_the_publisher() -> No
     thread.start()
     try:
         while True:
-            got.append(there.recv()[-1].x)
+            what, *values = there.recv()
+            got += [values[-1].x] if what == "message" else []
     except EOFError:
         thread.join()
     there.close()
@@ -164,6 +165,22 @@ def test_a_message_that_cannot_be_pickled_is_reported_and_the_rest_goes_on(
     assert "cannot send message /scan: TypeError: cannot pickle" in caplog.text
 
 
+def test_a_message_with_a_view_arrives_with_the_same_numbers_in_a_buffer_that_is_read_only(
+    sides: tuple[Side, Side],
+) -> None:
+    here, there = sides
+    got: list[Image] = []
+    there.backend.create_subscription(Image, "image", got.append, 1)
+    wait_until(lambda: here.knows_audience("/image"), "the audience")
+    image = Image(data=memoryview(bytearray(b"pixels" * 100_000)).toreadonly())
+    here.backend.create_publisher(Image, "image", 1).publish(image)
+    spin(there, lambda: got)
+    assert got == [image]
+    assert isinstance(got[0].data, memoryview)
+    assert got[0].data.readonly
+    assert here.records == there.records == []
+
+
 def test_a_deeper_subscription_deepens_the_link(sides: tuple[Side, Side]) -> None:
     here, there = sides
     there.backend.create_subscription(Imu, "imu", print, 3)
@@ -176,7 +193,9 @@ def test_a_deeper_subscription_deepens_the_link(sides: tuple[Side, Side]) -> Non
 def test_records_arrive_with_their_level(sides: tuple[Side, Side]) -> None:
     here, there = sides
     here.link.send_record(30, "hot")
-    wait_until(lambda: there.records == [(30, "hot")], "the record")
+    here.link.send_record(10, "warm", is_chosen=True)
+    expected = [(30, "hot", False), (10, "warm", True)]
+    wait_until(lambda: there.records == expected, "the records")
 
 
 def test_the_end_of_the_other_process_ends_the_audience(sides: tuple[Side, Side]) -> None:
@@ -311,7 +330,8 @@ def test_records_are_bounded_while_the_other_side_is_slow() -> None:
     texts: list[str] = []
     try:
         while True:
-            texts.append(there.recv()[2])
+            what, *values = there.recv()
+            texts += [values[1]] if what == "record" else []
     except EOFError:
         thread.join()
     there.close()
@@ -329,8 +349,8 @@ def test_what_cannot_be_read_is_reported_and_the_next_message_is_taken(
     here.link.start()
     there: Connection[Any, Any] = Connection(ends[1].detach())
     there.send_bytes(b"junk")
-    there.send(("record", 20, "fine"))
-    wait_until(lambda: here.records == [(20, "fine")], "the record")
+    there.send(("record", 20, "fine", False))
+    wait_until(lambda: here.records == [(20, "fine", False)], "the record")
     assert "here: what it sends cannot be read: UnpicklingError" in caplog.text
     there.close()
     here.link.close()
@@ -349,15 +369,15 @@ def test_whoever_asks_is_told_what_cannot_be_read_and_nothing_more_is_taken(
 ) -> None:
     ends = socket.socketpair()
     faults: list[str] = []
-    records: list[str] = []
+    records: list[tuple[int, str, bool]] = []
     connection: Connection[Any, Any] = Connection(ends[0].detach())
-    link = Link(Bus(), connection, "here", lambda _, text: records.append(text), faults.append)
+    link = Link(Bus(), connection, "here", lambda *record: records.append(record), faults.append)
     link.start()
     with ends[1]:
         ends[1].sendall(junk)
         wait_until(lambda: faults, "the reason")
         there: Connection[Any, Any] = Connection(ends[1].detach())
-        there.send(("record", 20, "late"))
+        there.send(("record", 20, "late", False))
         link.close()
         there.close()
     assert [fault.startswith(why) for fault in faults] == [True]
@@ -371,7 +391,7 @@ def test_a_message_that_is_too_large_is_reported_and_the_rest_goes_on(
     here, there = sides
     here.link.send_record(20, "x" * 20_000)
     here.link.send_record(20, "fine")
-    wait_until(lambda: there.records == [(20, "fine")], "the record")
+    wait_until(lambda: there.records == [(20, "fine", False)], "the record")
     assert "here: cannot send a message of 20" in caplog.text
 
 
@@ -388,7 +408,8 @@ def test_errors_have_room_when_others_are_left_out() -> None:
     texts: list[str] = []
     try:
         while True:
-            texts.append(there.recv()[2])
+            what, *values = there.recv()
+            texts += [values[1]] if what == "record" else []
     except EOFError:
         thread.join()
     there.close()

@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
@@ -18,6 +17,7 @@ from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, Launched, Order
 from rosbase.processes.supervisor import Supervisor
 from support.program import running
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 
@@ -91,9 +91,9 @@ def test_the_end_is_noticed_though_somebody_holds_on_to_the_connections(
     monkeypatch.setattr(socket, "socketpair", pair_that_is_held)
     processes = register_multiprocess_nodes({}, {"x": "true", "y": "sleep 1000"})
     wait_until(lambda: not processes["x"].is_alive, "the end of x")
-    start = time.monotonic()
-    shutdown_multiprocess_nodes(processes)
-    assert time.monotonic() - start < 3.0
+    with Stopwatch() as watch:
+        shutdown_multiprocess_nodes(processes)
+        assert watch.took_s < 3.0
     assert [child.is_alive for child in processes.values()] == [False, False]
     for fd in held:
         os.close(fd)
@@ -120,14 +120,14 @@ def test_shutdown_is_harmless_from_several_threads() -> None:
 
 def test_shutdown_that_was_interrupted_can_be_done_again(tmp_path: Path) -> None:
     app = """
-    import _thread, threading, time
+    import _thread, pathlib, sys, threading, time
     from rosbase import register_multiprocess_nodes, shutdown_multiprocess_nodes
     if __name__ == "__main__":
-        command = "trap : INT; while :; do sleep 0.1; done"
+        trapped = pathlib.Path(sys.argv[0]).with_name("trapped")
+        command = f"trap : INT; touch {trapped}; while :; do sleep 0.1; done"
         processes = register_multiprocess_nodes({}, {"x": command})
-        while not processes["x"].pid:
+        while not trapped.exists():
             time.sleep(0.01)
-        time.sleep(0.3)
         timer = threading.Timer(0.2, _thread.interrupt_main)
         timer.start()
         try:
@@ -160,9 +160,9 @@ def test_nothing_is_left_though_the_manager_is_killed_at_once_and_had_forked(
     """
     with running(tmp_path, app) as program:
         program.end()
-        start = time.monotonic()
-        wait_until(lambda: len(program.family()) <= 1, "the end of all but the worker")
-        assert time.monotonic() - start < 2.0
+        with Stopwatch() as watch:
+            wait_until(lambda: len(program.family()) <= 1, "the end of all but the worker")
+            assert watch.took_s < 2.0
 
 
 def test_a_manager_that_blocks_signals_still_sees_ends(tmp_path: Path) -> None:

@@ -74,11 +74,11 @@ def test_options_may_stand_before_and_after_the_program(app: Path) -> None:
     done = run(app, "--params-file", "robot.toml", "-p", "rear.fps:=3", "app.py", "-p", "fps:=4")
     assert done.stdout.startswith("{'front': 4, 'rear': 3} []"), done.stderr
     done = run(app, "app.py", "--", "-p", "fps:=5")
-    assert done.stdout.startswith("{'front': 30, 'rear': 30} ['--', '-p', 'fps:=5']"), done.stderr
+    assert done.stdout.startswith("{'front': 30, 'rear': 30} ['-p', 'fps:=5']"), done.stderr
     done = run(app, "app.py", "-port", "80", "-pfps:=4")
     assert done.stdout.startswith("{'front': 4, 'rear': 4} ['-port', '80']"), done.stderr
     done = run(app, "app.py", "-p", "fps:=4", "--", "-p", "fps:=5")
-    assert done.stdout.startswith("{'front': 4, 'rear': 4} ['--', '-p', 'fps:=5']"), done.stderr
+    assert done.stdout.startswith("{'front': 4, 'rear': 4} ['-p', 'fps:=5']"), done.stderr
 
 
 def test_levels_are_of_all_loggers_or_of_one(app: Path) -> None:
@@ -88,12 +88,14 @@ def test_levels_are_of_all_loggers_or_of_one(app: Path) -> None:
     assert done.stderr == "[DEBUG] [robot.rear]: built\n"
 
 
-def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> None:
+@pytest.fixture
+def walker(tmp_path: Path) -> Path:
     (tmp_path / "walker.py").write_text(
         "from rosbase import BaseNode, BaseHandlers, BaseManager, register_multiprocess_nodes\n"
         "class Walker(BaseNode):\n"
         "    def __init__(self, manager=None, **kwargs):\n"
         "        super().__init__(manager, **kwargs)\n"
+        "        self.logger.debug('lame')\n"
         "        print('pace', self.declare_parameter('pace', 1.0).value, flush=True)\n"
         "        self.create_timer(0.05, self.request_stop)\n"
         "class Waiting(BaseHandlers):\n"
@@ -108,14 +110,38 @@ def test_a_node_alone_and_a_child_process_are_given_theirs(tmp_path: Path) -> No
         "if __name__ == '__main__':\n"
         "    main()\n"
     )
-    done = run(tmp_path, "walker:Walker", "-p", "pace:=2", "-p", "peace:=3")
+    return tmp_path
+
+
+def test_a_node_alone_and_a_child_process_are_given_theirs(walker: Path) -> None:
+    done = run(walker, "walker:Walker", "-p", "pace:=2", "-p", "peace:=3")
     assert done.stdout == "pace 2.0\n", done.stderr
     said = "no node declares the parameter peace; did you mean pace?"
     assert done.stderr == f"[WARN] [Walker]: {said}\n"
     for given in ("left.pace:=4", "pace:=4"):
-        done = run(tmp_path, "walker.py", "-p", given)
+        done = run(walker, "walker.py", "-p", given)
         assert "left: pace 4.0" in done.stderr, done.stderr
         assert "no node declares" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("levels", "said"),
+    [
+        ([], False),
+        (["left:=debug"], True),
+        (["warn", "left:=debug"], True),
+        (["robot:=debug"], False),
+        (["debug"], True),
+        (["debug", "left:=info"], False),
+    ],
+    ids=lambda value: " ".join(value) or "none" if isinstance(value, list) else str(value),
+)
+def test_the_level_of_a_child_process_is_that_of_its_node(
+    walker: Path, levels: list[str], said: bool
+) -> None:
+    options = [word for level in levels for word in ("--log-level", level)]
+    done = run(walker, "walker.py", *options)
+    assert ("left: lame" in done.stderr) is said, done.stderr
 
 
 @pytest.mark.parametrize(
@@ -219,3 +245,82 @@ def test_a_program_takes_the_same_arguments_with_one_call(app: Path) -> None:
     )  # fmt: skip
     assert done.stdout.splitlines()[0] == "ann", done.stderr
     assert done.stdout.splitlines()[1].startswith("{'front': 25, 'rear': 30}")
+
+
+def test_a_mistake_of_the_program_is_a_traceback_and_not_a_usage_error(app: Path) -> None:
+    source = (app / "app.py").read_text()
+    wrong = "            self.nodes['front'].get_parameter('fsp')\n"
+    marker = "        def handle(self) -> None:\n".replace("        def", "    def", 1)
+    (app / "app.py").write_text(source.replace(marker, marker + wrong[4:]))
+    done = run(app, "app.py")
+    assert done.returncode == 1
+    assert "Traceback" in done.stderr
+    assert "get_parameter('fsp')" in done.stderr
+
+
+def test_a_directory_with_a_main_module_is_run(app: Path) -> None:
+    folder = app / "robot"
+    folder.mkdir()
+    (folder / "__main__.py").write_text("import bridge, sys\nprint(bridge.NUMBER, sys.argv[1:])\n")
+    (folder / "bridge.py").write_text("NUMBER = 5\n")
+    for words in (["./robot"], ["robot"], [str(folder)]):
+        assert run(app, *words, "x").stdout == "5 ['x']\n"
+
+
+LATE = """
+from rosbase import BaseHandlers, BaseManager, LifecycleNode, CallbackReturn
+
+class Arm(LifecycleNode):
+    def on_configure(self, state):
+        if not self.has_parameter("speed"):
+            self.declare_parameter("speed", 1.0)
+        return CallbackReturn.SUCCESS
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        arm = self.node(Arm)
+        if self.timestamp == 2:
+            arm.trigger_configure()
+            arm.trigger_cleanup()
+            arm.trigger_configure()
+        if self.timestamp == 150:
+            self.manager.request_stop()
+
+manager = BaseManager("robot", {"arm": Arm}, handlers_class=Handlers, node_freq_hz=100)
+manager.start_main_loop_timer()
+"""
+
+
+def test_a_misspelt_parameter_is_named_when_the_node_that_may_declare_it_is_configured(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "late.py").write_text(LATE)
+    done = run(tmp_path, "late.py", "-p", "arm.sped:=2.0", "-p", "arm.speed:=3.0")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "no node declares the parameter arm.sped; did you mean arm.speed?" in done.stderr
+
+
+CHILD = """
+from rosbase import BaseHandlers, BaseManager, BaseNode, register_multiprocess_nodes
+
+class Walker(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.speed = self.declare_parameter("speed", 1.0).value
+        self.create_timer(0.05, self.say)
+
+    def say(self):
+        self.logger.info(f"walks at {self.speed}")
+        self.request_stop()
+
+if __name__ == "__main__":
+    children = register_multiprocess_nodes({"walker": Walker}, {}, required=True)
+    BaseManager("robot", handlers_class=BaseHandlers).start_main_loop_timer(children)
+"""
+
+
+def test_a_child_names_the_misspelt_parameters_that_are_for_it(tmp_path: Path) -> None:
+    (tmp_path / "walkers.py").write_text(CHILD)
+    done = run(tmp_path, "walkers.py", "-p", "walker.sped:=2.0", "-p", "walker.speed:=3.0")
+    assert "walks at 3.0" in done.stderr
+    assert "no node declares the parameter walker.sped" in done.stderr

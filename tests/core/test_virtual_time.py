@@ -12,7 +12,9 @@ import pytest
 from rosbase import BaseHandlers, BaseManager, BaseNode
 from rosbase.testing import ManualClock, virtual_backend
 from support import hour
+from support.processes import state_of
 from support.program import running
+from support.waiting import wait_until
 
 
 @pytest.mark.timeout(180)
@@ -128,7 +130,7 @@ def test_a_set_system_clock_changes_stamps_only_and_is_logged(
 
 
 APP = """
-import time
+import os, signal, time
 from rosbase import BaseHandlers, BaseManager
 
 class Handlers(BaseHandlers):
@@ -136,7 +138,7 @@ class Handlers(BaseHandlers):
     def handle(self):
         self.starts.append(time.monotonic())
         if self.timestamp == 5:
-            print("running", flush=True)
+            os.kill(os.getpid(), signal.SIGSTOP)
         if self.timestamp == 100:
             self.manager.request_stop()
 
@@ -152,8 +154,7 @@ print(sum(0 <= start - starts[gap] <= 0.1 for start in starts) <= 13)
 
 def test_a_program_that_was_stopped_goes_on_without_a_burst(tmp_path: Path) -> None:
     with running(tmp_path, APP) as program:
-        program.read_until("running")
-        program.process.send_signal(signal.SIGSTOP)
+        wait_until(lambda: state_of(program.process.pid) == "T", "its rest")
         # The length of the pause is what is tested.
         threading.Event().wait(0.4)
         program.process.send_signal(signal.SIGCONT)

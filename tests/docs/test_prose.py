@@ -21,7 +21,6 @@ EXCEPTIONS: set[str] = {
     # Rows of the table of modules.
     "child processes: code,",
     "a complete transport for any device with a descriptor: code",
-    "Helpers: code (the only place that stamps frames)",
 }
 
 CODE = "code"

@@ -16,7 +16,7 @@ from support.waiting import wait_until
 BYTES_PER_S = 300_000
 DURATION_S = 6
 
-# The machine's other work makes a process look more expensive, never cheaper.
+# The machine's other work makes a process look slower and more expensive, never cheaper.
 ATTEMPTS = 3
 
 # Writes what is due by the clock, again and again: without a pause a few bytes at a time, as a
@@ -140,8 +140,7 @@ def test_a_3_mbaud_line_costs_less_than_a_fifth_of_a_core_and_loses_nothing(
         assert load.counts["published"] == load.counts["received"] == load.sent
         assert load.sent > BYTES_PER_S * DURATION_S / 400
         assert (load.counts["rejected"], load.counts["dropped"]) == (0, 0)
-        assert load.took_s < DURATION_S * 1.1, "the reader did not keep up"
         assert load.grown_kb < 500
-        if load.core_share < 0.2:
+        if load.core_share < 0.2 and load.took_s < DURATION_S * 1.1:
             return
-    pytest.fail(f"the reader used {load.core_share:.3f} of a core")
+    pytest.fail(f"the reader used {load.core_share:.3f} of a core for {load.took_s:.1f} s")

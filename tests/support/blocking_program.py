@@ -11,7 +11,7 @@ CLEAN_UP = ["arm shut down", "released", "returned"]
 END_S = 5.0
 
 BLOCKING_PROGRAM = """
-import socket, sys, threading, time
+import signal, socket, sys, threading, time
 from rosbase import BaseHandlers, BaseManager, BaseNode, LifecycleNode, CallbackReturn
 from rosbase import RestartPolicy, register_multiprocess_nodes
 from rosbase.messages import Header
@@ -40,7 +40,7 @@ def block():
             try:
                 time.sleep(100)
             except BaseException:
-                pass
+                print("caught", flush=True)
     elif PLACE.startswith("native"):
         # Some two seconds within one call that does not let other threads run.
         try:
@@ -128,7 +128,8 @@ if PLACE == "thread":
     import os
     os._exit(0)
 if PLACE == "after":
-    time.sleep(0.5)
+    # From the program itself, for a machine may stall between two processes.
+    signal.raise_signal(signal.SIGTERM)
     print("still there", flush=True)
     time.sleep(100)
 """

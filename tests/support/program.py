@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from support.log_lines import without_times
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 _MARK = "ROSBASE_TEST_PROGRAM"
@@ -74,10 +74,10 @@ class Program:
 
     def stop(self, signum: int) -> tuple[float, int, str, str]:
         """Sends a signal and waits: how long the end took in seconds, and what `end` gives."""
-        sent = time.monotonic()
-        self.process.send_signal(signum)
-        status, out, err = self.end()
-        return time.monotonic() - sent, status, out, err
+        with Stopwatch() as watch:
+            self.process.send_signal(signum)
+            status, out, err = self.end()
+            return watch.took_s, status, out, err
 
     def family(self) -> dict[int, str]:
         """All processes that have its mark, and are not about to vanish, with their commands."""

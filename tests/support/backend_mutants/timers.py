@@ -1,12 +1,13 @@
 """What is wrong with timers."""
 
 import math
+import threading
 from collections.abc import Callable
 
 from rosbase.contracts.backend import Timer
 from rosbase.errors import BackendError
 from rosbase.local import LocalBackend
-from support.backend_mutants.changed import breaks
+from support.backend_mutants.changed import Changed, breaks
 
 
 class ChangedTimer:
@@ -92,6 +93,26 @@ class ResetsOnlyWhatRests(LocalBackend):
 class CancelsWhatItShouldDestroy(LocalBackend):
     def destroy_timer(self, timer: Timer) -> None:
         timer.cancel()
+
+
+@breaks("timers-tell-their-time")
+class TellsTheDate(LocalBackend):
+    def timer_now_ns(self) -> int:
+        return self.clock.now_ns()
+
+
+@breaks("timers-tell-their-time")
+class TellsItInMicroseconds(LocalBackend):
+    def timer_now_ns(self) -> int:
+        return super().timer_now_ns() // 1000
+
+
+@breaks("timers-tell-their-time")
+class TellsItOnOneThread(Changed):
+    def timer_now_ns(self) -> int:
+        if threading.current_thread() is not self.thread:
+            raise RuntimeError("the time is for the thread that spins")
+        return super().timer_now_ns()
 
 
 @breaks("wrong-periods-are-errors")

@@ -1,6 +1,6 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
-Programs and plugins import from here, and from `rosbase.messages`, `rosbase.fsm`,
+Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
 `rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
 """
 
@@ -80,6 +80,7 @@ if TYPE_CHECKING:
         DeviceBusyError,
         DeviceNotFoundError,
         DevicePermissionError,
+        GivenParameterError,
         HandshakeTimeoutError,
         MappingError,
         NotADeviceError,
@@ -135,6 +136,7 @@ if TYPE_CHECKING:
         Reject,
         TimeMapping,
     )
+    from rosbase.messages.fields import message
     from rosbase.parameters import (
         Parameter,
         ParameterKind,
@@ -252,6 +254,7 @@ __all__ = [
     "FrameError",
     "FrameEvent",
     "Framer",
+    "GivenParameterError",
     "HandshakeTimeoutError",
     "HistoryPolicy",
     "ImuMapping",
@@ -343,6 +346,7 @@ __all__ = [
     "hookimpl",
     "installed_plugins",
     "make_logger",
+    "message",
     "mismatch",
     "name_undeclared",
     "one_line",
@@ -394,6 +398,7 @@ _HOMES = {
     "FrameError": "rosbase.framing",
     "FrameEvent": "rosbase.framing",
     "Framer": "rosbase.framing",
+    "GivenParameterError": "rosbase.errors",
     "HandshakeTimeoutError": "rosbase.errors",
     "HistoryPolicy": "rosbase.qos",
     "ImuMapping": "rosbase.imu.mapping",
@@ -485,6 +490,7 @@ _HOMES = {
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
     "make_logger": "rosbase.logger",
+    "message": "rosbase.messages.fields",
     "mismatch": "rosbase.qos",
     "name_undeclared": "rosbase.contracts.parameter_store",
     "one_line": "rosbase.text.printable",

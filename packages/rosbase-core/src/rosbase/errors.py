@@ -4,6 +4,7 @@
 RosbaseError
 ├── ConfigurationError            a usage error; shown as one line, exit status 2
 │   ├── ParameterError            baudrate:=fast, an unknown parameter
+│   │   └── GivenParameterError   a wrong value from outside the program
 │   ├── NotInstalledError         no such backend, transport or preset
 │   └── MappingError              a payload mapping that cannot be built
 ├── BackendError                  a topic used with two types, a closed backend
@@ -19,6 +20,7 @@ RosbaseError
 │   └── NotADeviceError           a directory or a file; waiting will not help
 ├── TransitionNotAvailableError   the lifecycle state does not offer that transition
 ├── HandshakeTimeoutError         rules still pending when the time was up
+├── WireError                     bytes that are no message of the type
 └── PluginError                   a plugin that broke its promise
 ```
 """
@@ -29,6 +31,7 @@ __all__ = [
     "DeviceBusyError",
     "DeviceNotFoundError",
     "DevicePermissionError",
+    "GivenParameterError",
     "HandshakeTimeoutError",
     "MappingError",
     "NotADeviceError",
@@ -57,6 +60,10 @@ class ConfigurationError(RosbaseError):
 
 class ParameterError(ConfigurationError):
     """A parameter is unknown, of the wrong type, or out of its range."""
+
+
+class GivenParameterError(ParameterError):
+    """A value from outside the program is not one of its parameter."""
 
 
 class NotInstalledError(ConfigurationError):

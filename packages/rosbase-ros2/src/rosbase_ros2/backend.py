@@ -1,7 +1,7 @@
 """The `ros2` backend: nodes of rclpy, handled on the main-loop thread."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 import rclpy
@@ -15,6 +15,7 @@ from rosbase import (
     installed_plugins,
 )
 from rosbase_ros2.conversion import Accept, Conversions, Converter
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import await_delivery
 from rosbase_ros2.given import name_strange_files, name_strange_parameters, own_first
 from rosbase_ros2.host import Host
@@ -33,6 +34,8 @@ __all__ = ["Ros2Backend"]
 
 # How long the last messages may take to arrive, of all publishers together.
 _LAST_MESSAGES_S = 0.5
+# How long the callbacks of rclpy may take to end, of all nodes together.
+_END_S = 1.0
 
 
 class Ros2Backend(RosNode, Backend):
@@ -65,7 +68,7 @@ class Ros2Backend(RosNode, Backend):
                 self._host = Host(self._logger.info, without_node_name(taken))
         except BaseException:
             for spinner in process.spinners:
-                spinner.close()
+                spinner.close(Deadline(_END_S))
             node.destroy_node()
             context.try_shutdown()
             raise
@@ -118,8 +121,7 @@ class Ros2Backend(RosNode, Backend):
             last.callback(self.executor.close)
             last.callback(self._host.close)
             last.callback(process.context.try_shutdown)
-            for node in reversed(nodes):
-                last.callback(node.destroy)
+            last.callback(_destroy, nodes)
             publishers = [publisher for node in nodes for publisher in node.stop_sending()]
             if process.context.ok():
                 await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
@@ -143,6 +145,16 @@ class Ros2Backend(RosNode, Backend):
 
 def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
     return installed_plugins().create_conversion(msg_type, "ros2", accept)
+
+
+def _destroy(nodes: Sequence[RosNode]) -> None:
+    """Destroy the nodes in order, each whatever happens to the others; hanging ones remain."""
+    for node in nodes:
+        node.begin_end()
+    deadline = Deadline(_END_S)
+    with ExitStack() as each:
+        for node in reversed(nodes):
+            each.callback(node.destroy, deadline)
 
 
 def _nothing() -> None:

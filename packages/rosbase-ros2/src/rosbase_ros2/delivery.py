@@ -13,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
 
 from rosbase import Clock
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.refusals import RCLError
 from rosbase_ros2.shared_node import OwnGroup
 
@@ -21,7 +22,6 @@ __all__ = ["Retirement", "await_delivery"]
 _LOOK_S = 0.1
 _POLL_S = 0.001
 _NOW = Duration()
-_NS_PER_S = 1_000_000_000
 
 
 class Retirement:
@@ -56,10 +56,10 @@ class Retirement:
 
 def await_delivery(publishers: Iterable[Any], patience_s: float, clock: Clock) -> None:
     """Return when all messages of rclpy publishers have arrived, or the time is up."""
-    deadline_ns = clock.monotonic_ns() + int(patience_s * _NS_PER_S)
+    deadline = Deadline(patience_s, clock)
     for publisher in publishers:
         # Given a time, rclpy waits with the interpreter locked, and all threads wait with it.
-        while not _is_delivered(publisher) and clock.monotonic_ns() < deadline_ns:
+        while not _is_delivered(publisher) and deadline.left_s:
             clock.sleep(_POLL_S)
 
 

@@ -27,7 +27,9 @@ from rclpy.executors import (
 )
 
 from rosbase import SystemClock, background_thread
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.shared_node import SharedNode
+from rosbase_ros2.turns import Turns
 from rosbase_ros2.workers import Workers
 
 __all__ = ["NativeExecutor"]
@@ -64,7 +66,7 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
         self._machine = SystemClock()
         self._guests = Guests(node)
         self._workers = Workers("rclpy-native-worker", _MOST_WORKERS)
-        self._running: set[Any] = set()
+        self._turns = Turns()
         self._thread: threading.Thread | None = None
         self._start_lock = threading.Lock()
         self._is_closed = False
@@ -72,8 +74,6 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
         self._has_news = False
         self._finished = 0
         self._finish = threading.Condition()
-        # How often tasks may have become able to go on.
-        self._stirs = 0
         self.add_node(node.native)
         node.native_executor = self
         self.wake()
@@ -88,14 +88,14 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
         self._node.own.refresh()
         self._node.native.refresh()
         self._wake_own()
-        self._stirs += 1
+        self._turns.note_event()
         super().wake()
         if not self._node.native.is_empty:
             self._start()
 
     def create_task(self, callback: Any, *arguments: Any, **options: Any) -> Any:
         """Run a function or a coroutine on one of the threads; return its future."""
-        self._stirs += 1
+        self._turns.note_event()
         task = super().create_task(callback, *arguments, **options)
         self._start()
         return task
@@ -107,15 +107,19 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
             self._start()
             self._tell()
 
-    def close(self, patience_s: float) -> bool:
-        """End the threads; return whether all have ended in that time."""
+    def begin_end(self) -> None:
+        """Let the threads end, each after its callback."""
         with self._start_lock:
-            self._is_closed = True
-        deadline_ns = self._machine.monotonic_ns() + int(patience_s * 1e9)
-        self._tell()
+            has_begun, self._is_closed = self._is_closed, True
+        if not has_begun:
+            self._tell()
+
+    def close(self, deadline: Deadline) -> bool:
+        """End the threads; return whether all have ended in time."""
+        self.begin_end()
         if self._thread is not None and not self.is_current_thread:
-            self._thread.join(patience_s)
-        if not self._workers.join(deadline_ns, self._machine):
+            self._thread.join(deadline.left_s)
+        if not self._workers.join(deadline):
             return False
         if self._thread is not None and self._thread.is_alive():
             return False
@@ -186,8 +190,7 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
         ):
             return
         # rclpy offers a task again until a thread has begun with it.
-        if task not in self._running:
-            self._running.add(task)
+        if self._turns.begin(task):
             self._workers.submit(lambda: self._execute(task))
 
     def _is_interrupted(self) -> bool:
@@ -195,25 +198,22 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
 
     def _execute(self, task: Any) -> None:
         """Run a task, or a coroutine until it waits."""
-        stirs = self._stirs
         try:
             task()
             error = task.exception() if task.done() else None
         except BaseException as raised:
             error = raised
-        self._running.discard(task)
+        is_over = error is not None or task.done() or task.cancelled()
+        if self._turns.end(task, is_over=is_over):
+            super().wake()
         if error is not None and self._context.ok():
             self._report(error)
-        if task.done() or error is not None:
-            self._stirs += 1
+        if is_over:
             with self._finish:
                 self._finished += 1
                 self._finish.notify_all()
             if self._guests:
                 self._tell()
-        elif stirs != self._stirs:
-            # Perhaps what it awaits has come just before it began to wait.
-            super().wake()
 
 
 @define

@@ -31,6 +31,7 @@ from rosbase import (
 )
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.courier import courier_of
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import Retirement
 from rosbase_ros2.given import given_parameters, own_first
 from rosbase_ros2.kinds import name_of
@@ -261,6 +262,7 @@ class RosNode(NodeConnection):
                 f" {self.node.get_name()} are those of its first lifecycle node"
             )
             return
+        self._parameters.watch_transitions(node.describe_transition)
         call_soon = self._process.executor.call_soon
         self._lifecycle_services.append(LifecycleServices(self.node, node, call_soon, self._logger))
 
@@ -295,9 +297,13 @@ class RosNode(NodeConnection):
         for subscription in self._subscriptions:
             subscription.close()
 
-    def destroy(self) -> bool:
+    def begin_end(self) -> None:
+        """Let the threads of the node end."""
+        self._spinner.begin_end()
+
+    def destroy(self, deadline: Deadline) -> bool:
         """Destroy the rclpy node; return whether that was possible: no callback hangs."""
-        if not self._spinner.close():
+        if not self._spinner.close(deadline):
             return False
         self._timers.close()
         self._sim_time.close()

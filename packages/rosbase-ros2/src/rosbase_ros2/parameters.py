@@ -10,6 +10,7 @@ from rcl_interfaces.msg import SetParametersResult as RosResult
 from rclpy.parameter import Parameter as RosParameter
 
 from rosbase import (
+    GivenParameterError,
     Parameter,
     ParameterError,
     ParameterKind,
@@ -24,30 +25,14 @@ from rosbase import (
     parse_written,
     refused,
 )
+from rosbase.parameters.described import KIND_NUMBERS, constraints, value_range
 from rosbase_ros2.questions import Questions
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.written import is_guess_of
 
 __all__ = ["Overrides", "RosParameters"]
 
-_TYPES = {
-    ParameterKind.BOOL: RosParameter.Type.BOOL,
-    ParameterKind.INTEGER: RosParameter.Type.INTEGER,
-    ParameterKind.DOUBLE: RosParameter.Type.DOUBLE,
-    ParameterKind.STRING: RosParameter.Type.STRING,
-    ParameterKind.BYTE_ARRAY: RosParameter.Type.BYTE_ARRAY,
-    ParameterKind.BOOL_ARRAY: RosParameter.Type.BOOL_ARRAY,
-    ParameterKind.INTEGER_ARRAY: RosParameter.Type.INTEGER_ARRAY,
-    ParameterKind.DOUBLE_ARRAY: RosParameter.Type.DOUBLE_ARRAY,
-    ParameterKind.STRING_ARRAY: RosParameter.Type.STRING_ARRAY,
-}
-_WHEN = {
-    "always": "",
-    "inactive": "set it while inactive or unconfigured",
-    "unconfigured": "set it while unconfigured",
-}
-_HUGE = 1.7976931348623157e308
-_INT64 = 2**63
+_TYPES = {kind: RosParameter.Type(number) for kind, number in KIND_NUMBERS.items()}
 
 
 @frozen
@@ -71,7 +56,10 @@ class Overrides:
             if name in self.of_program:
                 return check_value(spec, self.of_program[name])
             if name in self.guessed:
-                return self._given(spec, name)
+                try:
+                    return self._given(spec, name)
+                except ParameterError as error:
+                    raise GivenParameterError(str(error)) from error
         return check_value(spec, spec.default)
 
     def _given(self, spec: ParameterSpec, name: str) -> ParameterValue:
@@ -121,9 +109,22 @@ class RosParameters:
         self.add_post_callback = self._rules.add_post_callback
         """Call a callback on the main loop after parameters were set."""
         self._call_soon = call_soon
+        self._describe_transition: Callable[[], str] = str
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._tell)
+
+    def watch_transitions(self, describe_transition: Callable[[], str]) -> None:
+        """Refuse at once, while a transition runs, what may not change in every state.
+
+        The main loop, which may run the transition, could only be asked later.
+        """
+        self._describe_transition = describe_transition
+
+    def _busy(self, parameters: Sequence[Parameter[Any]]) -> str:
+        specs = [self._rules.find(parameter.name) for parameter in parameters]
+        is_limited = any(spec is not None and spec.change_time != "always" for spec in specs)
+        return self._describe_transition() if is_limited else ""
 
     def declare(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare the parameter on the node, with its value from outside if there is one.
@@ -222,6 +223,8 @@ class RosParameters:
         except ParameterError as error:
             return RosResult(successful=False, reason=str(error))
         if checked and self._rules.has_callbacks:
+            if reason := self._busy(checked):
+                return RosResult(successful=False, reason=reason)
             answer = self._questions.ask(lambda: self._rules.ask(checked), refused)
             return RosResult(successful=bool(answer.successful), reason=answer.reason)
         return RosResult(successful=True)
@@ -232,33 +235,18 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _constraints(spec: ParameterSpec) -> str:
-    choices = f"one of {', '.join(spec.choices)}" if spec.choices else ""
-    return "; ".join(filter(None, (choices, _WHEN[spec.change_time])))
-
-
 def _descriptor(spec: ParameterSpec) -> Any:
     descriptor = ParameterDescriptor(
         description=spec.description,
-        additional_constraints=_constraints(spec),
+        additional_constraints=constraints(spec),
         # A whole number is taken where a double is due; `check_value` decides about the rest.
         dynamic_typing=True,
         read_only=spec.read_only,
     )
-    if spec.minimum is not None or spec.maximum is not None:
-        least, most = spec.minimum, spec.maximum
+    if limits := value_range(spec):
+        least, most = limits
         if spec.kind is ParameterKind.INTEGER:
-            descriptor.integer_range = [
-                IntegerRange(
-                    from_value=-_INT64 if least is None else int(least),
-                    to_value=_INT64 - 1 if most is None else int(most),
-                )
-            ]
-        elif spec.kind is ParameterKind.DOUBLE:
-            descriptor.floating_point_range = [
-                FloatingPointRange(
-                    from_value=-_HUGE if least is None else float(least),
-                    to_value=_HUGE if most is None else float(most),
-                )
-            ]
+            descriptor.integer_range = [IntegerRange(from_value=least, to_value=most)]
+        else:
+            descriptor.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
     return descriptor

@@ -13,6 +13,7 @@ from typing import Any
 from rclpy.executors import SingleThreadedExecutor
 
 from rosbase import SystemClock, background_thread
+from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.native import NativeExecutor
 from rosbase_ros2.shared_node import SharedNode
 
@@ -21,9 +22,8 @@ __all__ = ["Spinner"]
 # It is woken by a task.
 _LONG_S = 3600.0
 _LOOK_S = 0.2
-# A program ends within two seconds, whatever a callback of rclpy's is busy with: these add up.
+# A program ends within two seconds, whatever a callback of rclpy's is busy with.
 _CALL_S = 0.1
-_END_S = 0.5
 
 
 class Spinner:
@@ -56,7 +56,7 @@ class Spinner:
         self._look: Callable[[], object] | None = None
         self._look_due_ns = 0
         self._clock = SystemClock()
-        self._ending = False
+        self._has_begun_to_end = self._ending = False
         self._thread = background_thread(self._run, "rclpy")
         self._thread.start()
 
@@ -94,15 +94,29 @@ class Spinner:
         if self._thread.is_alive():
             self.executor.create_task(look)
 
-    def close(self) -> bool:
+    def begin_end(self) -> None:
+        """Let the threads end, each after its callback, without waiting for them.
+
+        What is ready goes first, such as the answer to a client that asked for the last
+        transition.
+        """
+        if self._has_begun_to_end:
+            return
+        self._has_begun_to_end = True
+        self._native.begin_end()
+        if self._thread.is_alive():
+            # rclpy runs the newest task first, and then all others that are ready. A task that
+            # this one creates comes after them.
+            self.executor.create_task(lambda: self.executor.create_task(self._end))
+
+    def close(self, deadline: Deadline) -> bool:
         """End the threads; return whether all have ended in time."""
-        # What is ready goes first, such as the answer to who asked for the last transition.
-        self.call(_nothing, _END_S)
-        self._ending = True
-        self.executor.create_task(_nothing)
+        self.begin_end()
         if threading.current_thread() is not self._thread:
-            self._thread.join(_END_S)
-        has_native_ended = self._native.close(_END_S)
+            self._thread.join(deadline.left_s)
+        # If a callback hangs, the thread ends after it.
+        self._ending = True
+        has_native_ended = self._native.close(deadline)
         if self._thread.is_alive():
             return False
         self.executor.remove_node(self._node.own)
@@ -128,6 +142,5 @@ class Spinner:
             self._look_due_ns = now_ns + int(_LOOK_S * 1e9)
             look()
 
-
-def _nothing() -> None:
-    """Do nothing: run to wake the executor."""
+    def _end(self) -> None:
+        self._ending = True

@@ -4,7 +4,8 @@ import threading
 from collections.abc import Callable
 from queue import SimpleQueue
 
-from rosbase import Clock, background_thread
+from rosbase import background_thread
+from rosbase_ros2.deadline import Deadline
 
 __all__ = ["Workers"]
 
@@ -54,11 +55,11 @@ class Workers:
         for _ in self._threads:
             self._calls.put(None)
 
-    def join(self, deadline_ns: int, clock: Clock) -> bool:
-        """Wait for the end of all threads until a time; return whether they have ended."""
+    def join(self, deadline: Deadline) -> bool:
+        """Wait for the end of all threads; return whether they have ended in time."""
         for thread in self._threads:
             if thread is not threading.current_thread():
-                thread.join(max(0.0, (deadline_ns - clock.monotonic_ns()) / 1e9))
+                thread.join(deadline.left_s)
         return not any(thread.is_alive() for thread in self._threads)
 
     def _run(self) -> None:

@@ -32,6 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Replace this process by the program."""
     rest = take_arguments(arguments.arguments, before=arguments)
-    words = [arguments.target, *rest, *arguments.backend_arguments]
+    theirs = arguments.backend_arguments
+    words = [arguments.target, *rest, *(theirs[1:] if theirs[:1] == ["--"] else theirs)]
     sys.stdout.flush()
     os.execv(sys.executable, [sys.executable, "-m", "rosbase.program", *words])

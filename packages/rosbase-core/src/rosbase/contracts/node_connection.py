@@ -16,7 +16,6 @@ from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
-from rosbase.wire import maker
 
 __all__ = ["NodeConnection", "Publisher", "Sender", "Subscription", "Timer"]
 
@@ -283,6 +282,9 @@ class NodeConnection(ABC):
             TypeError: The template is no message (see `rosbase.message`).
             ValueError: A path leads to no numbers.
         """
+        # Most programs prepare none, and need not import it.
+        from rosbase.wire import maker
+
         make, publish = maker(template, varying), publisher.publish
 
         def send(*values: Any) -> object:

@@ -72,7 +72,12 @@ class ParameterRules:
         """Tell the callbacks of parameters that were set. Call it on the spinning thread."""
         for callback in list(self._post_callbacks):
             if own := self._of(callback, parameters):
-                callback(own)
+                try:
+                    callback(own)
+                except Exception as error:
+                    # Somebody else has set them: that must not end the program.
+                    name, kind = _name_of(callback), type(error).__name__
+                    self._report(one_line(f"the parameter callback {name} raised {kind}: {error}"))
 
     def check(self, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
         """Return the parameters as values of their declared types.
@@ -112,15 +117,15 @@ class ParameterRules:
     def _of(self, callback: object, parameters: Sequence[Parameter[Any]]) -> list[Parameter[Any]]:
         """Return the parameters of the node whose callback it is: other nodes may share them."""
         prefix = getattr(callback, "prefix", "")
-        return [p for p in parameters if self._prefix_of(p.name) == prefix]
+        return [p for p in parameters if self.prefix_of(p.name) == prefix]
 
-    def _prefix_of(self, name: str) -> str:
+    def prefix_of(self, name: str) -> str:
+        """Return the beginning of a name that stands for its node; empty if there is none."""
         spec = self._specs.get(name)
         return name.removesuffix(spec.general_name) if spec and spec.general_name else ""
 
     def _fault(self, callback: OnSetParameters, fault: str) -> SetParametersResult:
-        name = getattr(callback, "__qualname__", repr(callback))
-        reason = one_line(f"the parameter callback {name} {fault}")
+        reason = one_line(f"the parameter callback {_name_of(callback)} {fault}")
         self._report(f"parameters are refused: {reason}")
         return refused(reason)
 
@@ -153,6 +158,8 @@ class ParameterStore(ParameterRules):
         Raises:
             ParameterError: It is declared already, or the override is not a valid value.
         """
+        if not (isinstance(spec.name, str) and spec.name):
+            raise ParameterError(f"a parameter has a name of at least one character: {spec.name!r}")
         if self.find(spec.name) is not None:
             raise ParameterError(f"parameter {spec.name} is declared twice")
         given = self._overrides.get(spec.general_name, spec.default)
@@ -174,9 +181,15 @@ class ParameterStore(ParameterRules):
             ParameterError: It has not been declared.
         """
         try:
-            return self._values[name]
+            found = self._values[name]
         except KeyError:
             raise ParameterError(f"parameter {name} has not been declared") from None
+        # Whoever changes the list would get around the checks.
+        return Parameter(name, list(found.value)) if isinstance(found.value, list) else found
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters, in the order of declaration."""
+        return list(self._values)
 
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
@@ -207,6 +220,10 @@ def name_undeclared(
         longer = sorted(one for one in known if one.endswith(f".{name}"))
         hint = f"; did you mean {longer[0]}?" if longer else did_you_mean(name, known)
         warn(f"parameter {name} is set from outside, but this node does not declare it{hint}")
+
+
+def _name_of(callback: object) -> str:
+    return str(getattr(callback, "__qualname__", repr(callback)))
 
 
 def refused(reason: str) -> SetParametersResult:

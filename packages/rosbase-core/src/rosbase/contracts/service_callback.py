@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from rosbase.contracts.services import ServiceCallback, ServiceType
 from rosbase.errors import BackendError
+from rosbase.text.printable import printable
 
 __all__ = ["check_service_type", "service_answer"]
 
@@ -22,7 +23,8 @@ def check_service_type(srv_type: object, name: object) -> None:
     for part in ("Request", "Response"):
         if not inspect.isclass(getattr(srv_type, part, None)):
             raise BackendError(
-                f"service {name!r} takes a class with Request and Response, not {srv_type!r}"
+                f"service {printable(repr(name))} takes a class with Request and Response,"
+                f" not {printable(repr(srv_type))}"
             )
 
 

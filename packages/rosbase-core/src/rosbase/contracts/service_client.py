@@ -124,7 +124,11 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         if timeout_s < _LONGEST_S:
             timeout_ns = max(1, int(timeout_s * 1e9))
             call.expire_after(timeout_ns, lambda: self._timeout_error(timeout_s))
-        self.send(call)
+        try:
+            self.send(call)
+        except BaseException:
+            call.cancel()
+            raise
         return call
 
     def wait_for_service(self, timeout_s: float = DEFAULT_TIMEOUT_S) -> bool:

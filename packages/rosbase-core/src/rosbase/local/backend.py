@@ -5,15 +5,19 @@ from typing import Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
+from rosbase.contracts.node_connection import NodeConnection
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
 from rosbase.contracts.service_callback import check_service_type, service_answer
 from rosbase.contracts.service_server import ServiceServer
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.errors import BackendError
+from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
+from rosbase.local.node import LocalNode
 from rosbase.local.service_client import LocalClient
 from rosbase.local.service_registry import type_name
+from rosbase.local.standard.offers import StandardOffers
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
@@ -42,6 +46,8 @@ class LocalBackend(Backend):
         self._services: list[ServiceServer] = []
         self._clients: list[LocalClient[Any, Any]] = []
         self._closed = False
+        self._standard = StandardOffers(self, self._bus, self._parameters, logger)
+        self._standard.offer_parameters(self.node_name, "")
         if options.parameter_overrides:
             # When the constructors have declared their parameters.
             self.call_soon(lambda: self._parameters.name_undeclared(logger.warning))
@@ -145,9 +151,22 @@ class LocalBackend(Backend):
         """Call `callback` after parameters were set."""
         self._parameters.add_post_callback(callback)
 
+    def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
+        """Open the connection of a node; a lifecycle node has standard services of its own."""
+        if not is_lifecycle:
+            return super().open_node(name, is_lifecycle=False)
+        node = LocalNode(self, name, self._standard.offer_lifecycle)
+        self._standard.offer_parameters(node.node_name, f"{name}.")
+        return node
+
+    def expose_lifecycle(self, node: ManagedNode) -> None:
+        """Answer the standard services of a lifecycle node under the name of this one."""
+        self._standard.offer_lifecycle(self.node_name, node)
+
     def close(self) -> None:
         """Destroy everything that was created."""
         self._closed = True
+        self._standard.close()
         for publisher in list(self._publishers):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):

@@ -92,6 +92,11 @@ class Bus:
             self._topics[publisher.topic].publishers.remove(publisher)
             self._leave(publisher.topic)
 
+    def heard_type(self, name: str) -> type | None:
+        """Return the type of a topic that has subscriptions; None if it has none."""
+        topic = self._topics.get(name)
+        return topic.msg_type if topic is not None and topic.subscriptions else None
+
     def resize_subscription(self, subscription: LocalSubscription, profile: QoSProfile) -> None:
         """Change the number of messages that the subscription keeps to that of the profile."""
         with self._lock:

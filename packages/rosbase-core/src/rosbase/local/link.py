@@ -51,7 +51,7 @@ class Link:
         bus: Bus,
         connection: "Connection[Any, Any]",
         name: str,
-        on_record: Callable[[int, str], object] | None = None,
+        on_record: Callable[[int, str, bool], object] | None = None,
         on_fault: Callable[[str], object] | None = None,
     ) -> None:
         """Take this process's end of a connection; `start` makes it a link.
@@ -60,8 +60,8 @@ class Link:
             bus: The topics to share.
             connection: The connection to the other process. The link closes it.
             name: Name of the other process in the log.
-            on_record: Called with level and text of each record from the other end's
-                `send_record`.
+            on_record: Called with the arguments of the other end's `send_record`, for each
+                record.
             on_fault: Called with the reason when unreadable data comes. The link receives nothing
                 any more then. If not given, the reason is logged, and the link goes on receiving.
         """
@@ -82,7 +82,7 @@ class Link:
         # What the other end may say.
         self._kinds: Kinds = {
             "message": (self._take_message, (str, (str, int), object)),
-            "record": (self._take_record, (int, str)),
+            "record": (self._take_record, (int, str, bool)),
             "want": (self._take_want, (str, type, (str, int), (QoSProfile, NoneType))),
             **self._services.kinds,
         }
@@ -110,11 +110,17 @@ class Link:
             self._wanted_here[topic, channel] = profile
         self._send_soon("want", topic, msg_type, channel, profile)
 
-    def send_record(self, level: int, text: str) -> None:
-        """Ask the other end to log a text, at a level of the standard library's `logging`.
+    def send_record(self, level: int, text: str, *, is_chosen: bool = False) -> None:
+        """Ask the other end to log a text.
 
         While it is slower than the logging here, the newest records are left out and
         counted. Errors have as much room again.
+
+        Args:
+            level: A level of the standard library's `logging`.
+            text: The text.
+            is_chosen: Whether a level that was set here has let it pass, so that the other end's
+                level does not count.
         """
         room = _MANY_RECORDS if level < logging.ERROR else 2 * _MANY_RECORDS
         with self._record_lock:
@@ -122,7 +128,7 @@ class Link:
                 self._records_left_out += 1
                 return
             self._records_waiting += 1
-        self._executor.call_soon(partial(self._send_record, level, text))
+        self._executor.call_soon(partial(self._send_record, level, text, is_chosen))
 
     def close(self) -> None:
         """Close the link: data on its way has half a second to be sent or received. Idempotent."""
@@ -182,11 +188,12 @@ class Link:
             # The other end is gone; whoever started it says so.
             self._ending = True
 
-    def _send_record(self, level: int, text: str) -> None:
+    def _send_record(self, level: int, text: str, is_chosen: bool) -> None:
         with self._record_lock:
             self._records_waiting -= 1
             left_out, self._records_left_out = self._records_left_out, 0
-        self._send("record", level, f"{text} ... {left_out} more records" if left_out else text)
+        text = f"{text} ... {left_out} more records" if left_out else text
+        self._send("record", level, text, is_chosen)
 
     # On the receiving thread.
 
@@ -229,9 +236,9 @@ class Link:
     def _take_message(self, topic: str, channel: Channel, message: Any) -> None:
         self._bus.deliver_from(self, topic, channel, message)
 
-    def _take_record(self, level: int, text: str) -> None:
+    def _take_record(self, level: int, text: str, is_chosen: bool) -> None:
         if self._on_record is not None:
-            self._on_record(level, text)
+            self._on_record(level, text, is_chosen)
 
     def _take_want(
         self, topic: str, msg_type: type, channel: Channel, profile: QoSProfile | None

@@ -4,7 +4,7 @@ Each side tells the other the services that it has, by name and type, and answer
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import count
 from types import NoneType
@@ -45,6 +45,8 @@ class ServiceLink:
         self._call_soon = call_soon
         self._told: set[str] = set()
         self._there: dict[str, _RemoteService] = {}
+        self._told_standard: set[tuple[str, str]] = set()
+        self._standard_there = _RemoteStandard(self)
         # What the other side was asked and has not answered.
         self._asked: dict[int, tuple[str, ServiceRequest]] = {}
         self._unsent = 0
@@ -53,13 +55,15 @@ class ServiceLink:
         self._is_closed = False
         self.kinds: Kinds = {
             "serve": (self._take_serve, (str, str, bool)),
+            "standard": (self._take_standard, (list, bool)),
             "request": (self._take_request, (str, int, object)),
             "answer": (self._take_answer, (int, object, (str, NoneType))),
         }
-        """What the other end may say."""
+        """Messages from the other end."""
 
     def start(self) -> None:
         """Start to share services."""
+        self._registry.add_standard(self._standard_there, self)
         self._registry.add_link(self)
 
     def service_changed(self, name: str, type_name: str, *, is_there: bool) -> None:
@@ -68,6 +72,13 @@ class ServiceLink:
             return
         (self._told.add if is_there else self._told.discard)(name)
         self._call_soon(partial(self._send, "serve", name, type_name, is_there))
+
+    def standard_changed(self, nodes: Iterable[tuple[str, str]], *, is_there: bool) -> None:
+        """Tell the other side that the standard services of nodes have come or gone."""
+        changed = [one for one in nodes if is_there != (one in self._told_standard)]
+        if changed:
+            self._told_standard.symmetric_difference_update(changed)
+            self._call_soon(partial(self._send, "standard", changed, is_there))
 
     def ask(self, name: str, call: ServiceRequest) -> None:
         """Send a request to the other side. Call it from any thread."""
@@ -92,6 +103,7 @@ class ServiceLink:
         while self._there:
             name, remote = self._there.popitem()
             self._registry.remove_provider(name, remote)
+        self._registry.remove_standard(self._standard_there)
         with self._lock:
             self._is_closed = True
             asked, self._asked = self._asked, {}
@@ -134,6 +146,11 @@ class ServiceLink:
             # The other side answers what it was asked before, if only that the service has gone.
             self._registry.remove_provider(name, self._there.pop(name))
 
+    def _take_standard(self, nodes: list[tuple[str, str]], is_there: bool) -> None:
+        self._standard_there.note(nodes, is_there=is_there)
+        for node, kind in nodes:
+            self._registry.standard_changed(node, kind)
+
     def _take_request(self, name: str, number: int, request: Any) -> None:
         def answer(response: Any, reason: str | None) -> None:
             self._call_soon(partial(self._send_answer, number, response, reason))
@@ -161,6 +178,31 @@ class _RemoteService:
     def take(self, call: ServiceRequest) -> None:
         """Send the request to the other side."""
         self._link.ask(self._name, call)
+
+
+class _RemoteStandard:
+    """Standard services of the nodes of the other side."""
+
+    def __init__(self, link: ServiceLink) -> None:
+        self._link = link
+        # Replaced, so that other threads may read it.
+        self._nodes: frozenset[tuple[str, str]] = frozenset()
+
+    def note(self, nodes: Iterable[tuple[str, str]], *, is_there: bool) -> None:
+        """Note that services have come or gone."""
+        self._nodes = self._nodes.union(nodes) if is_there else self._nodes.difference(nodes)
+
+    def has(self, node: str, kind: str) -> bool:
+        """Return whether a node of the other side has services of that kind."""
+        return (node, kind) in self._nodes
+
+    def nodes(self) -> list[tuple[str, str]]:
+        """Return the nodes and kinds of the other side."""
+        return list(self._nodes)
+
+    def provider(self, node: str, kind: str, service: str) -> _RemoteService:
+        """Return whoever sends requests for a service to the other side."""
+        return _RemoteService(f"{node}/{service}", self._link)
 
 
 class _RemoteRequest:

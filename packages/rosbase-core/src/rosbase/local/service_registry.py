@@ -1,40 +1,27 @@
 """Services within one process, by name: their providers, clients, and requests without a provider.
 
-A link leads to another process: it provides the services there, and learns which are here.
+A link leads to another process: it provides the services there, and learns which are here. A
+service that the program has made itself comes before a standard one of the same name.
 """
 
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from attrs import define, field
 
 from rosbase.contracts.service_server import ServiceRequest
 from rosbase.errors import BackendError, ServiceFailedError
+from rosbase.local.service_interfaces import Provider, ServiceLinkEnd, StandardServices
+from rosbase.local.standard.known import KnownServices, names_of
 
-__all__ = ["Provider", "ServiceLinkEnd", "ServiceRegistry", "type_name"]
-
-
-class Provider(Protocol):
-    """A service of this process, or of another one behind a link."""
-
-    def take(self, call: ServiceRequest) -> None:
-        """Answer the request soon. Called on any thread."""
-        ...
-
-
-class ServiceLinkEnd(Protocol):
-    """Interface through which the registry informs a link."""
-
-    def service_changed(self, name: str, type_name: str, *, is_there: bool) -> None:
-        """Note that a service that is not the other side's own has come or gone."""
-        ...
+__all__ = ["ServiceRegistry", "type_name"]
 
 
 @define(eq=False)
 class _Service:
-    """What goes by one name."""
+    """A service: its providers, its clients, and requests that wait for a provider."""
 
     type_name: str
     # Those of this process first.
@@ -49,12 +36,18 @@ class _Service:
                 return provider
         return None
 
+    def take_waiting(self) -> deque[ServiceRequest]:
+        """Return the requests that have waited for a provider."""
+        waiting, self.waiting = self.waiting, deque()
+        return waiting
+
 
 class ServiceRegistry:
     """All services of a process, or of a test."""
 
     def __init__(self) -> None:
         self._services: dict[str, _Service] = {}
+        self._standard = KnownServices()
         self._links: tuple[ServiceLinkEnd, ...] = ()
         self._lock = threading.Lock()
 
@@ -78,7 +71,7 @@ class ServiceRegistry:
                 raise BackendError(f"there is a service {name} in this process already")
             found = (*service.providers, (provider, link))
             service.providers = tuple(sorted(found, key=lambda entry: entry[1] is not None))
-            waiting, service.waiting = service.waiting, deque()
+            waiting = service.take_waiting()
             clients = service.clients
             self._tell_links(name, service)
         for call in waiting:
@@ -93,6 +86,35 @@ class ServiceRegistry:
             service.providers = tuple(p for p in service.providers if p[0] is not provider)
             self._tell_links(name, service)
             self._leave(name)
+
+    def add_standard(self, services: StandardServices, link: ServiceLinkEnd | None = None) -> None:
+        """Add the standard services of nodes that may come and go, behind a link if it is one."""
+        with self._lock:
+            self._standard.add(services, link)
+
+    def remove_standard(self, services: StandardServices) -> None:
+        """Remove what was added by `add_standard`."""
+        with self._lock:
+            self._standard.remove(services)
+            for node, kind in services.nodes():
+                self._tell_links_of_standard(node, kind)
+
+    def standard_changed(self, node: str, kind: str) -> None:
+        """Note that standard services of a node, added before, have come or gone."""
+        if not (self._services or self._links):
+            # Nobody asks yet; without this, each node would cost some microseconds.
+            return
+        with self._lock:
+            asked_for = [name for name in names_of(node, kind) if self._provider(name, None)]
+            found = {name: self._services[name] for name in asked_for if name in self._services}
+            waiting = [(name, service.take_waiting()) for name, service in found.items()]
+            self._tell_links_of_standard(node, kind)
+        for name, calls in waiting:
+            for call in calls:
+                self.send(name, call)
+        for service in found.values():
+            for changed in service.clients:
+                changed()
 
     def add_client(self, name: str, kind: str, changed: Callable[[], object]) -> None:
         """Add a client: `changed` is called when a service of that name comes.
@@ -113,14 +135,13 @@ class ServiceRegistry:
 
     def is_served(self, name: str) -> bool:
         """Return whether there is a service of that name."""
-        service = self._services.get(name)
-        return service is not None and bool(service.providers)
+        return self._provider(name, None) is not None
 
     def send(self, name: str, call: ServiceRequest) -> None:
         """Hand the request of a client to the service, now or when there is one."""
         with self._lock:
             service = self._services.get(name)
-            provider = service.provider_for(None) if service else None
+            provider = self._provider(name, None)
             if service is not None and provider is None:
                 while service.waiting and service.waiting[0].done():
                     service.waiting.popleft()
@@ -131,8 +152,7 @@ class ServiceRegistry:
     def send_from(self, link: ServiceLinkEnd, name: str, call: ServiceRequest) -> None:
         """Hand a request of another process to the service."""
         with self._lock:
-            service = self._services.get(name)
-            provider = service.provider_for(link) if service else None
+            provider = self._provider(name, link)
         if provider is None:
             # It was there when the other process sent the request.
             call.set_exception(ServiceFailedError(name))
@@ -145,11 +165,28 @@ class ServiceRegistry:
             self._links = (*self._links, link)
             for name, service in self._services.items():
                 _tell(link, name, service)
+            if nodes := self._standard.nodes(link):
+                link.standard_changed(sorted(nodes), is_there=True)
 
     def remove_link(self, link: ServiceLinkEnd) -> None:
         """Stop telling the link. It must remove its own services."""
         with self._lock:
             self._links = tuple(other for other in self._links if other is not link)
+
+    def _provider(self, name: str, asking: ServiceLinkEnd | None) -> Provider | None:
+        """Return whoever answers a request; None if there is nobody."""
+        service = self._services.get(name)
+        provider = service.provider_for(asking) if service else None
+        if provider is not None:
+            return provider
+        # Without a client here, the other process has looked at the type.
+        kind = service.type_name if service and asking is None else None
+        return self._standard.provider(name, asking, kind)
+
+    def _tell_links_of_standard(self, node: str, kind: str) -> None:
+        for link in self._links:
+            is_there = self._standard.has(node, kind, link)
+            link.standard_changed([(node, kind)], is_there=is_there)
 
     def _tell_links(self, name: str, service: _Service) -> None:
         for link in self._links:

@@ -214,6 +214,18 @@ class RosbaseLogger:
         self._emit(record, is_applications=way)
         self._hand_on(record)
 
+    def _pass_on(self, level: int, message: str) -> None:
+        """Log a message at any level: the logger of another process has decided to log it."""
+        logger = self._logger
+        if level <= logger.manager.disable:
+            return
+        is_applications, _ = survey(logger)
+        if is_applications:
+            logger.disabled = False
+        record = self._record_of(level, log_line(message), calling_frame(), {})
+        self._emit(record, is_applications=is_applications)
+        self._hand_on(record)
+
     def _passes(self, level: int, options: LogOptions, frame: FrameType) -> bool:
         if unknown := options.keys() - LogOptions.__annotations__.keys():
             raise TypeError(f"a logger does not take {', '.join(sorted(unknown))}")

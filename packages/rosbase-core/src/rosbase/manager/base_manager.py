@@ -235,6 +235,8 @@ class BaseManager(Constructed):
         self._hands_switch_over: bool | None = None
         # Methods that have returned work which nobody runs; each is reported once.
         self._unrun: set[str] = set()
+        # Whether a node may still declare parameters when it is configured.
+        self._undeclared_later = False
         self._is_initialised = True
         self.init_custom_variables()
 
@@ -423,8 +425,9 @@ class BaseManager(Constructed):
         """Warn of parameters from outside that no node has declared."""
         if are_inherited():
             return
-        # Parameters may be declared in `on_configure`.
+        # Parameters may be declared in `on_configure`. Each child warns of its own.
         later = [n._key for n in self._lifecycle_nodes() if n.get_state() is State.UNCONFIGURED]
+        self._undeclared_later = bool(later)
         for line in given_parameters().unused([*later, *(self._processes or ())]):
             self.logger.warning(line)
 
@@ -483,6 +486,8 @@ class BaseManager(Constructed):
 
     def _look_after(self) -> None:
         self.loop_stats.digest_if_many()
+        if self._undeclared_later:
+            self._name_undeclared()
         self._clock_watch.check()
         if self._log_freq:
             self._report_frequency()

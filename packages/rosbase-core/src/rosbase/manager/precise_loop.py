@@ -27,7 +27,7 @@ def run_precise_loop(
     monotonic_ns, note = executor.clock.monotonic_ns, stats.notes.append
     rate = Rate(frequency_hz, monotonic_ns())
     deadline_ns = rate.deadline_ns
-    early = EarlyWake(_NS_PER_S / frequency_hz)
+    early = EarlyWake(_NS_PER_S / float(frequency_hz))
     ticks_between = range(max(1, min(LoopStats.MANY_TICKS, int(frequency_hz / 2))))
     while not stopping():
         for _ in ticks_between:

@@ -1,6 +1,6 @@
 """Time and duration, as the ROS package builtin_interfaces has them; both can be computed with."""
 
-from typing import Any
+from typing import Any, overload
 
 from attrs import frozen
 
@@ -64,11 +64,33 @@ class Duration:
         """Return the object itself: programs for rclpy's durations call this method."""
         return self
 
-    def __add__(self, other: "Duration") -> "Duration":
-        length = _nanoseconds_of(other, "Duration")
+    @overload
+    def __add__(self, other: "Duration") -> "Duration": ...
+    @overload
+    def __add__(self, other: "Time") -> "Time": ...
+    @overload
+    def __add__(self, other: Any) -> Any: ...
+    def __add__(self, other: Any) -> Any:
+        """Return the sum of two durations, or the time that much after another."""
+        when, length = _nanoseconds_of(other, "Time"), _nanoseconds_of(other, "Duration")
+        if when is not None:
+            return Time.from_nanoseconds(when + self.nanoseconds)
         if length is None:
             return NotImplemented
         return Duration.from_nanoseconds(self.nanoseconds + length)
+
+    def __radd__(self, other: Any) -> Any:
+        """Return the same as in the other order: rclpy's objects know only rclpy's."""
+        return self.__add__(other)
+
+    def __rsub__(self, other: Any) -> Any:
+        """Return the time that much before a time of rclpy, or what is left of a duration."""
+        when, length = _nanoseconds_of(other, "Time"), _nanoseconds_of(other, "Duration")
+        if when is not None:
+            return Time.from_nanoseconds(when - self.nanoseconds)
+        if length is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(length - self.nanoseconds)
 
     def __sub__(self, other: "Duration") -> "Duration":
         length = _nanoseconds_of(other, "Duration")
@@ -81,7 +103,7 @@ class Duration:
         return NotImplemented if length is None else self.nanoseconds == length
 
     def __hash__(self) -> int:
-        return hash((self.sec, self.nanosec))
+        return hash(self.nanoseconds)
 
     def __neg__(self) -> "Duration":
         return Duration.from_nanoseconds(-self.nanoseconds)
@@ -140,6 +162,12 @@ class Time:
 
     __radd__ = __add__
 
+    @overload
+    def __sub__(self, other: "Time") -> Duration: ...
+    @overload
+    def __sub__(self, other: Duration) -> "Time": ...
+    @overload
+    def __sub__(self, other: Any) -> Any: ...
     def __sub__(self, other: Any) -> Any:
         """Return the duration since another time, or the time before a duration."""
         since = _nanoseconds_of(other, "Time")
@@ -150,12 +178,19 @@ class Time:
             return NotImplemented
         return Time.from_nanoseconds(self.nanoseconds - length)
 
+    def __rsub__(self, other: Any) -> Any:
+        """Return the duration from this time to one of rclpy's."""
+        when = _nanoseconds_of(other, "Time")
+        if when is None:
+            return NotImplemented
+        return Duration.from_nanoseconds(when - self.nanoseconds)
+
     def __eq__(self, other: object) -> bool:
         when = _nanoseconds_of(other, "Time")
         return NotImplemented if when is None else self.nanoseconds == when
 
     def __hash__(self) -> int:
-        return hash((self.sec, self.nanosec))
+        return hash(self.nanoseconds)
 
     def __lt__(self, other: "Time") -> bool:
         when = _nanoseconds_of(other, "Time")

@@ -12,6 +12,8 @@ from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
 
 from attrs import Attribute, field, frozen
 
+from rosbase.messages.pickling import make_picklable
+
 __all__ = [
     "AtMost",
     "Buffer",
@@ -105,7 +107,7 @@ class Numbers:
 
 
 class NumpyArray(Protocol):
-    """What is used of a numpy array, which needs not be installed."""
+    """The part of a numpy array that rosbase uses; numpy need not be installed."""
 
     @property
     def dtype(self) -> Any:
@@ -159,12 +161,15 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
         raise ValueError(f"a message is named like sensor_msgs/msg/Imu, not {name!r}")
 
     def declare(cls: ClassT) -> ClassT:
-        if not is_frozen(cls):
+        if not is_frozen(cls) or not _has_fields(cls):
+            reason = "has no fields" if is_frozen(cls) else "can be changed after it was published"
             raise TypeError(
-                f"{cls.__name__} can be changed after it was published; make it a frozen attrs"
-                " class or a frozen dataclass, below this decorator"
+                f"{cls.__name__} {reason}; make it a frozen attrs class or a frozen dataclass,"
+                " below this decorator"
             )
         setattr(cls, _ROS_TYPE, name)
+        if _may_have_buffers(cls):
+            make_picklable(cls)
         # The file that a message of ours is in is nobody's business.
         home, _, file = cls.__module__.rpartition(".")
         if home.startswith("rosbase.messages.") and file.startswith("_"):
@@ -175,8 +180,18 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
 
 
 def ros_type(cls: Any) -> str | None:
-    """Return the ROS name of a message class; None if it has none."""
-    return vars(cls).get(_ROS_TYPE) if isinstance(cls, type) else None
+    """Return the ROS name of a message class; None if it has none.
+
+    A subclass has that of its base, unless it has fields of its own.
+    """
+    for one in cls.__mro__ if isinstance(cls, type) else ():
+        own = vars(one)
+        if _ROS_TYPE in own:
+            name: str = own[_ROS_TYPE]
+            return name
+        if "__attrs_attrs__" in own or "__dataclass_fields__" in own:
+            break
+    return None
 
 
 def is_frozen(cls: type) -> bool:
@@ -188,6 +203,22 @@ def is_frozen(cls: type) -> bool:
     if "__attrs_attrs__" in vars(cls):
         return setter is not object.__setattr__
     return issubclass(cls, (tuple, str, bytes, int, float, Enum))
+
+
+def _has_fields(cls: type) -> bool:
+    return "__attrs_attrs__" in vars(cls) or "__dataclass_fields__" in vars(cls)
+
+
+def _may_have_buffers(cls: Any) -> bool:
+    """Return whether a field is a buffer, or is declared by a text that may say so."""
+    own = vars(cls)
+    declared = own.get("__attrs_attrs__") or own.get("__dataclass_fields__", {}).values()
+    hints = [one.type for one in declared]
+    return any(
+        isinstance(hint, str)
+        or any(isinstance(mark, Numbers) for mark in getattr(hint, "__metadata__", ()))
+        for hint in hints
+    )
 
 
 def fixed(size: int, value: Any = 0.0) -> Any:
@@ -203,22 +234,27 @@ def fixed(size: int, value: Any = 0.0) -> Any:
 def numbers(width: Width, size: int | None = None) -> Any:
     """Return a field for a buffer of numbers of that width: any number of them, or `size`.
 
-    A buffer that can be changed is refused, because a subscriber gets the same one.
+    A buffer that can be changed is refused, because a subscriber gets the same one. Two buffers
+    are equal if their bytes are, whatever object holds them.
     """
     typecode = TYPECODES[width]
     allowed = _SAME_SIZE.get(typecode, typecode)
 
     def check(instance: object, attribute: "Attribute[Any]", given: Any) -> None:
         reason = _fault(given, allowed)
-        if not reason and size is not None and len(given) != size:
-            reason = f"takes {size} elements, not {len(given)}"
+        if not reason and size is not None and _count(given) != size:
+            reason = f"takes {size} elements, not {_count(given)}"
         if reason:
             raise (ValueError if "elements" in reason else TypeError)(f"{attribute.name} {reason}")
 
     def plain(value: Any) -> Any:
-        if isinstance(value, tuple):
-            value = array(typecode, value)
-        return memoryview(value).cast("B").tobytes()
+        try:
+            return memoryview(
+                array(typecode, value) if isinstance(value, tuple) else value
+            ).tobytes()
+        except (TypeError, ValueError, OverflowError):
+            # It holds something else, and is only equal to the same.
+            return value
 
     empty: Any = b"" if typecode == "B" else ()
     default = empty if size is None else (0,) * size
@@ -246,8 +282,16 @@ def _fault(value: Any, allowed: str) -> str:
     return ""
 
 
+def _count(value: Any) -> int:
+    if isinstance(value, (tuple, bytes)):
+        return len(value)
+    # The length of an array of several dimensions is that of the first.
+    view = memoryview(value)
+    return view.nbytes // view.itemsize
+
+
 def _shown(value: Any) -> str:
-    if isinstance(value, tuple) and len(value) <= 16:
+    most = 16 if isinstance(value, tuple) else 64
+    if isinstance(value, (tuple, bytes)) and len(value) <= most:
         return repr(value)
-    count = len(value)
-    return repr(value) if isinstance(value, bytes) and count <= 64 else f"<{count} elements>"
+    return f"<{_count(value)} elements>"

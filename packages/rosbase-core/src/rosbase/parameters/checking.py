@@ -34,7 +34,8 @@ def check_value(spec: ParameterSpec, value: object) -> ParameterValue:
                 raise ParameterError(f"parameter {spec.name} takes no NUL, as in {_shown(value)}")
         elif not isinstance(item, (bool, bytes)):
             _check_number(spec, item)
-    if spec.choices and checked not in spec.choices:
+    items = checked if isinstance(checked, list) else [checked]
+    if spec.choices and not all(item in spec.choices for item in items):
         raise ParameterError(
             f"parameter {spec.name} is one of {', '.join(spec.choices)}, not {_shown(value)}"
         )

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from attrs import define, evolve, field, frozen
 
-from rosbase.errors import ConfigurationError
+from rosbase.errors import ConfigurationError, GivenParameterError, ParameterError
 from rosbase.parameters.checking import did_you_mean
 from rosbase.parameters.kinds import ParameterSpec, ParameterValue
 from rosbase.parameters.written import WrittenText, from_outside, parse_text, parse_written
@@ -87,7 +87,7 @@ class GivenParameters:
             managers: Names of its manager, if it shares the connection of one.
 
         Raises:
-            ParameterError: The value is not one of the declared type.
+            GivenParameterError: The value is not one of the declared type.
         """
         full = [f"{_base(name)}.{spec.name}" for name in names]
         self._declared.add(full[0])
@@ -104,18 +104,26 @@ class GivenParameters:
         ]
         self._used.update(exact, general)
         last = max(exact or general, default=None)
-        return None if last is None else _read(evolve(spec, name=full[0]), self.values[last])
+        if last is None:
+            return None
+        try:
+            return _read(evolve(spec, name=full[0]), self.values[last])
+        except ParameterError as error:
+            raise GivenParameterError(str(error)) from error
 
-    def unused(self, others: Collection[str] = ()) -> list[str]:
+    def unused(self, others: Collection[str] = (), *, only_for: str = "") -> list[str]:
         """Return a line for each value that no node has declared, each value once.
 
         Args:
             others: Names of nodes that may declare parameters elsewhere or later. If there are
                 any, a value for every node may be for them.
+            only_for: Name of the only node of which to tell; empty for all.
         """
         lines = []
         for number, given in enumerate(self.values):
             if number in self._used or any(_is_for(given, other) for other in others):
+                continue
+            if only_for and not _is_for(given, only_for):
                 continue
             if others and given.node in _ANY and not self._names_a_node(given):
                 continue

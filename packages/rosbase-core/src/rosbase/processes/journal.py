@@ -18,15 +18,27 @@ class Journal:
         self.is_ending = False
         """Whether the program is ending. Then the ends of children are not logged."""
 
-    def write(self, level: int, name: str, text: str) -> None:
-        """Write one line about a child."""
+    def write(self, level: int, name: str, text: str, *, is_chosen: bool = False) -> None:
+        """Write one line about a child.
+
+        Args:
+            level: A level of the standard library's `logging`.
+            name: The child.
+            text: The rest of the line.
+            is_chosen: Whether the level of the child has let it pass, so that the level of the
+                logger does not count.
+        """
+        line = f"{name}: {text}"
+        if is_chosen:
+            self.logger._pass_on(level, line)
+            return
         methods = {
             logging.DEBUG: self.logger.debug,
             logging.WARNING: self.logger.warning,
             logging.ERROR: self.logger.error,
             logging.CRITICAL: self.logger.critical,
         }
-        methods.get(level, self.logger.info)(f"{name}: {text}")
+        methods.get(level, self.logger.info)(line)
 
     def write_output(self, life: Life, lines: Iterable[str]) -> None:
         """Write the output of a child; log its tracebacks as errors."""

@@ -47,8 +47,8 @@ class Order:
 
     mark: Mark
     """Mark that all of its processes carry."""
-    on_record: Callable[[int, str], object]
-    """Called with level and text of each record of a node, on a thread of its link."""
+    on_record: Callable[[int, str, bool], object]
+    """Called with each record of a node, as by `Link`, on a thread of its link."""
     on_fault: Callable[[str], object]
     """Called, on a thread of its link, when a node sends unreadable data."""
 

@@ -17,18 +17,24 @@ from rosbase.roles.connection import name_lone_nodes
 
 __all__ = ["main"]
 
+_OURS = logging.getLogger("rosbase")
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class _ToManager(logging.Handler):
-    """Sends records to the manager, which writes them into its own log."""
+    """Sends records to the manager, which writes them into its own log.
+
+    A level that was set for a logger of this process has decided already. Otherwise, the level of
+    the manager decides.
+    """
 
     def __init__(self, link: Link) -> None:
         super().__init__()
         self._link = link
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._link.send_record(record.levelno, self.format(record))
+        is_chosen = _has_own_level(logging.getLogger(record.name))
+        self._link.send_record(record.levelno, self.format(record), is_chosen=is_chosen)
 
 
 def main(connection: "Connection[Any, Any]") -> None:
@@ -57,10 +63,19 @@ def main(connection: "Connection[Any, Any]") -> None:
 
 
 def _log_to(link: Link, level: int) -> None:
-    logger = logging.getLogger("rosbase")
-    logger.setLevel(level)
-    logger.addHandler(_ToManager(link))
-    logger.propagate = False
+    _OURS.setLevel(level)
+    _OURS.addHandler(_ToManager(link))
+    _OURS.propagate = False
+
+
+def _has_own_level(logger: logging.Logger) -> bool:
+    """Return whether a level was set for this logger, or for one between it and all of rosbase."""
+    at: logging.Logger | None = logger
+    while at is not None and at is not _OURS:
+        if at.level != logging.NOTSET:
+            return True
+        at = at.parent
+    return False
 
 
 def _leave(signum: int, frame: FrameType | None) -> None:

@@ -252,9 +252,11 @@ class Supervisor:
 
     # On the threads of links.
 
-    def _record(self, name: str, records: RecordLines, level: int, text: str) -> None:
+    def _record(
+        self, name: str, records: RecordLines, level: int, text: str, is_chosen: bool
+    ) -> None:
         for line_level, line in records.take(level, text, self._clock.monotonic_ns()):
-            self.journal.write(line_level, name, line)
+            self.journal.write(line_level, name, line, is_chosen=is_chosen)
 
     def _fault_soon(self, mark: Mark, why: str) -> None:
         self._calls.append(partial(self._stop_for_fault, mark, why))

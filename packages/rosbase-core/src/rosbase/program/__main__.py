@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from rosbase.errors import ConfigurationError
+from rosbase.errors import ConfigurationError, GivenParameterError, NotInstalledError
 from rosbase.manager import BaseManager
 from rosbase.roles.node import BaseNode
 from rosbase.text.printable import MOST_LINE, one_line
@@ -15,21 +15,32 @@ from rosbase.text.printable import MOST_LINE, one_line
 __all__ = ["main"]
 
 
+class _NoProgramError(ConfigurationError):
+    """The command line names something that cannot be run."""
+
+
 def main() -> None:
-    """Run the program that the command line names; a usage error is one line and status 2."""
+    """Run the program that the command line names; a usage error is one line and status 2.
+
+    An error of the program itself is a traceback, as without this command.
+    """
     target = sys.argv[1]
     del sys.argv[0]
     try:
         _run(target)
-    except ConfigurationError as error:
+    except (_NoProgramError, GivenParameterError, NotInstalledError) as error:
         print(f"rosbase run: {one_line(str(error), MOST_LINE)}", file=sys.stderr)
         sys.exit(2)
 
 
 def _run(target: str) -> None:
-    if target.endswith(".py") or "/" in target or Path(target).is_file():
-        if not Path(target).is_file():
-            raise ConfigurationError(f"{target}: no such file")
+    path = Path(target)
+    if path.is_dir() and (path / "__main__.py").is_file():
+        runpy.run_path(target, run_name="__main__")
+        return
+    if target.endswith(".py") or "/" in target or path.is_file():
+        if not path.is_file():
+            raise _NoProgramError(f"{target}: no such file")
         sys.path[0] = str(Path(target).resolve().parent)
         runpy.run_path(target, run_name="__main__")
         return
@@ -45,7 +56,7 @@ def start(program: Any, target: str) -> None:
     """Start a manager or standalone node by its class, or end with what a function returns.
 
     Raises:
-        ConfigurationError: It is something else.
+        _NoProgramError: It is something else.
     """
     if isinstance(program, type) and issubclass(program, BaseManager):
         program().start_main_loop_timer()
@@ -54,7 +65,7 @@ def start(program: Any, target: str) -> None:
     elif callable(program) and not isinstance(program, type):
         sys.exit(program())
     else:
-        raise ConfigurationError(f"{target} is neither a manager nor a node nor a function")
+        raise _NoProgramError(f"{target} is neither a manager nor a node nor a function")
 
 
 def _named(module: str, name: str) -> Any:
@@ -62,7 +73,7 @@ def _named(module: str, name: str) -> Any:
     found: Any = import_module(module)
     for part in name.split("."):
         if not hasattr(found, part):
-            raise ConfigurationError(f"{module} has no {name}")
+            raise _NoProgramError(f"{module} has no {name}")
         found = getattr(found, part)
     return found
 
@@ -71,7 +82,7 @@ def _find(module: str) -> None:
     """Check that a module exists; the working directory counts.
 
     Raises:
-        ConfigurationError: It does not exist.
+        _NoProgramError: It does not exist.
     """
     try:
         found = find_spec(module) if all(module.split(".")) else None
@@ -83,7 +94,7 @@ def _find(module: str) -> None:
     except ValueError:
         found = None
     if found is None:
-        raise ConfigurationError(f"there is no file or module {module!r}")
+        raise _NoProgramError(f"there is no file or module {module!r}")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,8 @@ def take_arguments(
 
     These are `-p name:=value`, `--params-file FILE`, `--backend NAME` and
     `--log-level [NAME:=]LEVEL`. They apply to managers and nodes that are built later in this
-    process and in its child processes. Arguments after `--ros-args` are left alone.
+    process and in its child processes. Arguments after `--ros-args` are left alone, and so are
+    those after a `--`, which is left out.
 
     Args:
         arguments: The command line without the program; by default that of this process.
@@ -86,7 +87,7 @@ def take_arguments(
     parser = _Parser(add_help=False, allow_abbrev=False)
     add_arguments(parser)
     apply(parser.parse_args(ours, before))
-    return [*others, *words[end:]]
+    return [*others, *words[end + (words[end : end + 1] == [_END]) :]]
 
 
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -14,7 +14,7 @@ def refusal(spec: ParameterSpec, state: State) -> str:
     if state is State.FINALIZED:
         return f"{parameter} cannot be set any more: the node is finalized"
     if spec.change_time == "unconfigured":
-        return f"{parameter} takes effect at the next configure: set it while unconfigured"
+        return f"{parameter} cannot be set while {state.name.lower()}: set it while unconfigured"
     if state is State.INACTIVE:
         return ""
     return f"{parameter} cannot be set while active: set it while inactive or unconfigured"

@@ -59,6 +59,14 @@ class ManagerContext(Protocol):
     loop_stats: LoopStats
     """Statistics of the main loop."""
 
+    def node(self, node_class: type[NodeT], name: str | None = None) -> NodeT:
+        """Return the node of that class: the only one, or the one of that name."""
+        ...
+
+    def agent(self, agent_class: type[AgentT], name: str | None = None) -> AgentT:
+        """Return the agent of that class, as `node`."""
+        ...
+
     def add_handshake_rule(self, name: str, predicate: Callable[[], object]) -> None:
         """Add a condition that must hold before the main loop starts."""
 

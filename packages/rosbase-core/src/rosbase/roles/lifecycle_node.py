@@ -297,6 +297,9 @@ class LifecycleNode(BaseNode):
 
     def _judge_times(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Refuse the change of a parameter that may not change in the current state."""
+        if self._transition_thread == threading.get_ident():
+            # A callback of the transition sets what it has found.
+            return SetParametersResult(successful=True)
         for parameter in parameters:
             spec = self._limited.get(parameter.name)
             if spec is None or parameter.value == self.get_parameter(spec.name).value:

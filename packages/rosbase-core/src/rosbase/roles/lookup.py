@@ -28,6 +28,8 @@ def find_component(
         LookupError: There is none, the one of that name is of another class, or several are of
             the class and no name is given.
     """
+    if not isinstance(component_class, type):
+        raise TypeError(f"{role}() takes a class, and then perhaps a name; not {component_class!r}")
     wanted = component_class.__name__
     if name is not None:
         named = components.get(name)

@@ -210,7 +210,7 @@ class BaseNode(Constructed, Component):
             ParameterError: It exists already, or was set to an invalid value, or only a lifecycle
                 node can have it.
         """
-        spec = spec or ParameterSpec(name, value)
+        spec = evolve(spec, name=name, default=value) if spec else ParameterSpec(name, value)
         if spec.change_time != "always" and not self._is_lifecycle:
             raise ParameterError(
                 f"parameter {spec.name} has change_time {spec.change_time!r}, which only a"
@@ -226,12 +226,20 @@ class BaseNode(Constructed, Component):
         """
         return self._connection.get_parameter(name)
 
+    def has_parameter(self, name: str) -> bool:
+        """Return whether the node has declared the parameter."""
+        try:
+            self.get_parameter(name)
+        except ParameterError:
+            return False
+        return True
+
     def set_parameter(self, name: str, value: ParameterValue) -> SetParametersResult:
         """Set one parameter; return whether it was set, and the reason if not."""
         return self.set_parameters([Parameter(name, value)])
 
     def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
-        """Set all parameters, or none.
+        """Set all parameters, or none. Call it on the main-loop thread.
 
         Returns:
             Whether they were set, and the reason if not. A parameter may be undeclared or
@@ -350,8 +358,9 @@ class BaseNode(Constructed, Component):
 
     def _name_undeclared(self) -> None:
         """Warn of parameters from outside that this standalone node has not declared."""
-        if not are_inherited():
-            for line in given_parameters().unused():
+        is_child = are_inherited()
+        if not is_child or self._program_name:
+            for line in given_parameters().unused(only_for=self._program_name if is_child else ""):
                 self.logger.warning(line)
 
     def _begin(self) -> None:

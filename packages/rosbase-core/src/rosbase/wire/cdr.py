@@ -15,7 +15,7 @@ from rosbase.wire.description import Field, Kind, MessageType
 __all__ = ["HEADER", "ORDERS", "SIZES", "Run", "least_size", "least_size_of_element"]
 
 HEADER = b"\x00\x01\x00\x00"
-"""What stands in front of a little-endian message."""
+"""The four bytes in front of a little-endian message."""
 ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 """The byte order by the first two bytes of a message."""
 SIZES = {width: struct.calcsize(f"<{code}") for width, code in TYPECODES.items()}

@@ -4,7 +4,7 @@ A number of numpy or an int in a float field is right, though unusual. A wrong f
 with its place, such as `Imu.header.stamp.sec`.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import Any
@@ -97,6 +97,21 @@ def _as_bool(value: Any, where: str, _limit: int) -> bool:
 
 
 def _as_text(value: Any, where: str, limit: int) -> str:
+    text, data = _plain_text(value, where)
+    if limit and len(data) > limit:
+        raise ValueError(f"{where} takes at most {limit} bytes of text, not {len(data)}")
+    return text
+
+
+def _as_wide_text(value: Any, where: str, limit: int) -> str:
+    text, _ = _plain_text(value, where)
+    count = len(text.encode("utf-16-le")) // 2
+    if limit and count > limit:
+        raise ValueError(f"{where} takes at most {limit} UTF-16 units of text, not {count}")
+    return text
+
+
+def _plain_text(value: Any, where: str) -> tuple[str, bytes]:
     if not isinstance(value, str):
         raise _wrong(value, where, "text")
     try:
@@ -105,9 +120,8 @@ def _as_text(value: Any, where: str, limit: int) -> str:
         data = b"\0"
     if 0 in data:
         raise ValueError(f"{where} takes text without NUL and without lone surrogates")
-    if limit and len(data) > limit:
-        raise ValueError(f"{where} takes at most {limit} bytes of text, not {len(data)}")
-    return str(value)
+    # `str` would give the name of an enumeration's member, not its text.
+    return data.decode(), data
 
 
 _OTHERS: dict[Width, Callable[[Any, str, int], Any]] = {
@@ -115,7 +129,7 @@ _OTHERS: dict[Width, Callable[[Any, str, int], Any]] = {
     Width.FLOAT32: _as_float32,
     Width.BOOL: _as_bool,
     Width.STRING: _as_text,
-    Width.WSTRING: _as_text,
+    Width.WSTRING: _as_wide_text,
 }
 
 
@@ -123,8 +137,8 @@ def _as_list(value: Any, where: str) -> Sequence[Any]:
     if isinstance(value, (list, tuple, bytes)):
         return value
     # numpy's arrays, those of the standard library and memoryviews; a text is no list of texts.
-    if isinstance(value, Iterable) and hasattr(value, "tolist"):
-        return list(value.tolist())
+    if hasattr(value, "tolist") and isinstance(elements := value.tolist(), list):
+        return elements
     raise _wrong(value, where, "a tuple")
 
 

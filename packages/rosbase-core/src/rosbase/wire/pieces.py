@@ -9,9 +9,11 @@ from typing import Any
 from rosbase.errors import WireError
 
 __all__ = [
+    "WIDE_SIZE",
     "UnusualError",
     "packed",
     "put_texts",
+    "put_wide_texts",
     "read_numbers",
     "read_text",
     "read_view",
@@ -23,6 +25,8 @@ __all__ = [
 _SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
 _TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = (b"", b"\0", b"\0\0", b"\0\0\0")
+WIDE_SIZE = 4
+"""Bytes of a unit of a wide text."""
 _length = struct.Struct("<I")
 
 
@@ -39,23 +43,33 @@ def text_of(text: Any, limit: int) -> bytes:
 
 
 def wide_text_of(text: Any, limit: int) -> bytes:
-    """Return a text as UTF-16, as Fast DDS sends a wstring."""
-    data: bytes = text.encode("utf-16-le")
-    if "\0" in text or (limit and len(data) > 2 * limit):
+    """Return a wide text as ROS 2 Jazzy sends it: UTF-16, each unit as a number of four bytes."""
+    units: bytes = text.encode("utf-16-le")
+    if "\0" in text or (limit and len(units) > 2 * limit):
         raise UnusualError
-    return data
+    data = bytearray(2 * len(units))
+    data[0::WIDE_SIZE], data[1::WIDE_SIZE] = units[0::2], units[1::2]
+    return bytes(data)
 
 
 def put_texts(texts: Any, put: Callable[[bytes], object], pos: int, limit: int) -> int:
     """Put texts one behind the other; return where they end."""
-    if isinstance(texts, str):
-        raise UnusualError
     for text in texts:
-        padding = -pos & 3
-        data = text_of(text, limit)
-        put(_PADDING[padding] + _length.pack(len(data)) + data)
-        pos += padding + 4 + len(data)
+        pos = _put_text(text_of(text, limit), 1, put, pos)
     return pos
+
+
+def put_wide_texts(texts: Any, put: Callable[[bytes], object], pos: int, limit: int) -> int:
+    """Put wide texts one behind the other; return where they end."""
+    for text in texts:
+        pos = _put_text(wide_text_of(text, limit), WIDE_SIZE, put, pos)
+    return pos
+
+
+def _put_text(data: bytes, unit: int, put: Callable[[bytes], object], pos: int) -> int:
+    padding = -pos & 3
+    put(_PADDING[padding] + _length.pack(len(data) // unit) + data)
+    return pos + padding + 4 + len(data)
 
 
 def packed(values: Any, code: str) -> tuple[Any, int]:
@@ -75,7 +89,8 @@ def packed(values: Any, code: str) -> tuple[Any, int]:
     view = memoryview(values)
     if view.format.lstrip("<=@") not in _SAME_SIZE.get(code, code) or not view.c_contiguous:
         raise UnusualError
-    return view.cast("B"), view.nbytes // view.itemsize
+    # A view of no elements cannot be cast.
+    return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize
 
 
 def read_text(data: memoryview, pos: int, size: int) -> str:
@@ -89,10 +104,12 @@ def read_text(data: memoryview, pos: int, size: int) -> str:
 
 
 def read_wide_text(data: memoryview, pos: int, size: int, order: str) -> str:
-    """Return the text of that many UTF-16 units."""
-    if pos + 2 * size > len(data):
+    """Return the text of that many UTF-16 units; whole characters are taken, too."""
+    end = pos + WIDE_SIZE * size
+    if end > len(data):
         raise WireError("a text is cut short, or its length is garbled")
-    return str(data[pos : pos + 2 * size], "utf-16-le" if order == "<" else "utf-16-be")
+    units = str(data[pos:end], "utf-32-le" if order == "<" else "utf-32-be", "surrogatepass")
+    return units.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
 
 
 def read_numbers(data: memoryview, pos: int, count: int, code: str, order: str) -> Sequence[Any]:

@@ -15,6 +15,7 @@ from attrs import frozen
 from rosbase.messages.fields import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.pieces import text_of, wide_text_of
 from rosbase.wire.source import Source
 from rosbase.wire.writer import writer
 
@@ -115,8 +116,7 @@ class _Layout:
             for text in elements:
                 self._align(4)
                 wide = one.element is Width.WSTRING
-                size = len(text.encode("utf-16-le")) if wide else len(text.encode()) + 1
-                self._pos += 4 + size
+                self._pos += 4 + len(wide_text_of(text, 0) if wide else text_of(text, 0))
 
     def _note_numbers(self, one: Field, count: int, path: str) -> None:
         assert isinstance(one.element, Width)

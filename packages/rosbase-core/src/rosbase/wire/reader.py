@@ -12,7 +12,7 @@ from rosbase.messages.fields import TYPECODES, Width
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.once import once_per_class
-from rosbase.wire.pieces import read_numbers, read_text, read_view, read_wide_text
+from rosbase.wire.pieces import WIDE_SIZE, read_numbers, read_text, read_view, read_wide_text
 from rosbase.wire.source import Source
 
 __all__ = ["reader"]
@@ -136,7 +136,7 @@ class _Body:
         else:
             read = source.name_of(read_wide_text, "read_wide_text")
             source.line(f"{text} = {read}(data, pos, {size()}, {self._order!r})")
-            source.line(f"pos += 2 * {size()}")
+            source.line(f"pos += {WIDE_SIZE} * {size()}")
         return lambda: text
 
     def _get_many(self, one: Field) -> _Later:
@@ -180,12 +180,17 @@ class _Body:
                 get = source.name_of(_getter(one.element, self._order), "get")
                 source.line(f"element, pos = {get}(data, pos)")
             else:
-                read = source.name_of(read_text, "read_text")
                 length = source.name_of(struct.Struct(f"{self._order}I").unpack_from, "length")
                 source.line("pos += -pos & 3")
                 source.line(f"(size,) = {length}(data, pos)")
-                source.line(f"element = {read}(data, pos + 4, size)")
-                source.line("pos += 4 + size")
+                if one.element is Width.STRING:
+                    read = source.name_of(read_text, "read_text")
+                    source.line(f"element = {read}(data, pos + 4, size)")
+                    source.line("pos += 4 + size")
+                else:
+                    read = source.name_of(read_wide_text, "read_wide_text")
+                    source.line(f"element = {read}(data, pos + 4, size, {self._order!r})")
+                    source.line(f"pos += 4 + {WIDE_SIZE} * size")
             source.line(f"{many}.append(element)")
         return lambda: f"tuple({many})"
 

@@ -14,7 +14,15 @@ from rosbase.wire.cdr import HEADER, SIZES, Run
 from rosbase.wire.checking import made_usual
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.once import once_per_class
-from rosbase.wire.pieces import UnusualError, packed, put_texts, text_of, wide_text_of
+from rosbase.wire.pieces import (
+    WIDE_SIZE,
+    UnusualError,
+    packed,
+    put_texts,
+    put_wide_texts,
+    text_of,
+    wide_text_of,
+)
 from rosbase.wire.source import Source
 
 __all__ = ["writer"]
@@ -103,11 +111,9 @@ class _Body:
         source = self._source
         layouts = source.name_of(tuple(Run("".join(self._codes)).layouts()), "layouts")
         types = source.name_of(tuple(self._types), "types")
-        unusual = source.name_of(UnusualError, "Unusual")
         source.line(f"values = ({', '.join(self._values)},)")
         # struct would take a bool for a number, and anything for a bool.
-        with source.block(f"if tuple(map(type, values)) != {types}:"):
-            source.line(f"raise {unusual}")
+        self._refuse(f"tuple(map(type, values)) != {types}")
         source.line(f"layout = {layouts}[pos & 7]")
         source.line("put(layout.pack(*values))")
         source.line("pos += layout.size")
@@ -131,7 +137,7 @@ class _Body:
             text = source.new("text")
             encode = source.name_of(wide_text_of, "wide_text_of")
             source.line(f"{text} = {encode}({value}, {one.text_limit})")
-            self._put_bytes(text, f"len({text}) // 2")
+            self._put_bytes(text, f"len({text}) // {WIDE_SIZE}")
         else:
             code = TYPECODES[one.element]
             self.add_number(value, code, _PYTHON_TYPES.get(code, int))
@@ -145,14 +151,22 @@ class _Body:
     def _put_array(self, one: Field, value: str) -> None:
         assert isinstance(one.element, Width)
         code = TYPECODES[one.element]
+        many = self._source.new("many")
+        self._source.line(f"{many} = {value}")
+        # One that is too short beside one that is too long would pass for two that are right.
+        self._refuse(f"type({many}) is not tuple or len({many}) != {one.size}")
         self._codes.append(code * one.size)
-        self._values.append(f"*{value}")
+        self._values.append(f"*{many}")
         self._types += [_PYTHON_TYPES.get(code, int)] * one.size
+
+    def _refuse(self, condition: str) -> None:
+        unusual = self._source.name_of(UnusualError, "Unusual")
+        with self._source.block(f"if {condition}:"):
+            self._source.line(f"raise {unusual}")
 
     def _put_many(self, one: Field, value: str) -> None:
         source = self._source
         many = source.new("many")
-        unusual = source.name_of(UnusualError, "Unusual")
         if _is_number(one):
             assert isinstance(one.element, Width)
             pack = source.name_of(packed, "packed")
@@ -161,10 +175,9 @@ class _Body:
         else:
             count = f"len({many})"
             source.line(f"{many} = {value}")
+            self._refuse(f"type({many}) is not tuple and type({many}) is not list")
         if one.size:
-            sign = "!=" if one.kind is Kind.ARRAY else ">"
-            with source.block(f"if {count} {sign} {one.size}:"):
-                source.line(f"raise {unusual}")
+            self._refuse(f"{count} {'!=' if one.kind is Kind.ARRAY else '>'} {one.size}")
         if one.kind is Kind.SEQUENCE:
             self.add_number(count, "I", int)
         self.end_run()
@@ -176,11 +189,10 @@ class _Body:
             put_element = source.name_of(_putter(one.element), "put_element")
             with source.block(f"for element in {many}:"):
                 source.line(f"pos = {put_element}(element, put, pos)")
-        elif one.element is Width.STRING:
-            put_all = source.name_of(put_texts, "put_texts")
+        elif one.element in (Width.STRING, Width.WSTRING):
+            wide = one.element is Width.WSTRING
+            put_all = source.name_of(put_wide_texts if wide else put_texts, "put_texts")
             source.line(f"pos = {put_all}({many}, put, pos, {one.text_limit})")
-        elif one.element is Width.WSTRING:
-            raise TypeError(f"{one.name}: a sequence of wide texts cannot be sent")
         else:
             padding = source.name_of(_PADDING, "padding")
             size = SIZES[one.element]

@@ -9,7 +9,9 @@ from rosbase.messages.geometry_msgs._vector3 import Vector3
 @message("geometry_msgs/msg/Accel")
 @frozen
 class Accel:
-    """Message geometry_msgs/Accel of ROS."""
+    """Acceleration, linear and angular (geometry_msgs/Accel)."""
 
     linear: Vector3 = Vector3()
+    """Linear acceleration in m/s^2."""
     angular: Vector3 = Vector3()
+    """Angular acceleration in rad/s^2."""

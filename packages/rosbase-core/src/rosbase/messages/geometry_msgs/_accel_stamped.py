@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/AccelStamped")
 @frozen
 class AccelStamped:
-    """Message geometry_msgs/AccelStamped of ROS."""
+    """Acceleration with its time and frame (geometry_msgs/AccelStamped)."""
 
     header: Header = Header()
     accel: Accel = Accel()

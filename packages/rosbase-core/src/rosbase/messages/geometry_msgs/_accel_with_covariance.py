@@ -12,7 +12,8 @@ from rosbase.messages.geometry_msgs._accel import Accel
 @message("geometry_msgs/msg/AccelWithCovariance")
 @frozen
 class AccelWithCovariance:
-    """Message geometry_msgs/AccelWithCovariance of ROS."""
+    """Acceleration and how accurate it is (geometry_msgs/AccelWithCovariance)."""
 
     accel: Accel = Accel()
     covariance: Annotated[tuple[float, ...], ros.Fixed(36)] = ros.fixed(36)
+    """A 6 x 6 matrix, row-major about x, y, z and the rotations about x, y, z."""

@@ -9,11 +9,14 @@ from rosbase.messages.geometry_msgs._vector3 import Vector3
 @message("geometry_msgs/msg/Inertia")
 @frozen
 class Inertia:
-    """Message geometry_msgs/Inertia of ROS."""
+    """Mass and moments of inertia of a body (geometry_msgs/Inertia)."""
 
     m: float = 0.0
+    """Mass in kg."""
     com: Vector3 = Vector3()
+    """Centre of mass in metres."""
     ixx: float = 0.0
+    """Moment of inertia in kg m^2, like the five below."""
     ixy: float = 0.0
     ixz: float = 0.0
     iyy: float = 0.0

@@ -9,7 +9,7 @@ from rosbase.messages.fields import message
 @message("geometry_msgs/msg/Point32")
 @frozen
 class Point32:
-    """Message geometry_msgs/Point32 of ROS."""
+    """Position in metres, with 32-bit floats: for many points (geometry_msgs/Point32)."""
 
     x: ros.Float32 = 0.0
     y: ros.Float32 = 0.0

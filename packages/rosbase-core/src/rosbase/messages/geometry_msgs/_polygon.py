@@ -9,6 +9,7 @@ from rosbase.messages.geometry_msgs._point32 import Point32
 @message("geometry_msgs/msg/Polygon")
 @frozen
 class Polygon:
-    """Message geometry_msgs/Polygon of ROS."""
+    """Area in a plane (geometry_msgs/Polygon)."""
 
     points: tuple[Point32, ...] = ()
+    """Corners in metres; the last is joined to the first."""

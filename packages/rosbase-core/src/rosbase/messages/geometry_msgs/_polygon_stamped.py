@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/PolygonStamped")
 @frozen
 class PolygonStamped:
-    """Message geometry_msgs/PolygonStamped of ROS."""
+    """Polygon with its time and frame (geometry_msgs/PolygonStamped)."""
 
     header: Header = Header()
     polygon: Polygon = Polygon()

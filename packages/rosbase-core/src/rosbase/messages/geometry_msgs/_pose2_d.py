@@ -8,8 +8,11 @@ from rosbase.messages.fields import message
 @message("geometry_msgs/msg/Pose2D")
 @frozen
 class Pose2D:
-    """Message geometry_msgs/Pose2D of ROS."""
+    """Position and heading in a plane (geometry_msgs/Pose2D)."""
 
     x: float = 0.0
+    """Position in metres."""
     y: float = 0.0
+    """Position in metres."""
     theta: float = 0.0
+    """Heading in rad; positive turns left."""

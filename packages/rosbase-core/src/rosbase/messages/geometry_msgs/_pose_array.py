@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/PoseArray")
 @frozen
 class PoseArray:
-    """Message geometry_msgs/PoseArray of ROS."""
+    """Poses in one frame, at one time (geometry_msgs/PoseArray)."""
 
     header: Header = Header()
     poses: tuple[Pose, ...] = ()

@@ -12,7 +12,8 @@ from rosbase.messages.geometry_msgs._pose import Pose
 @message("geometry_msgs/msg/PoseWithCovariance")
 @frozen
 class PoseWithCovariance:
-    """Message geometry_msgs/PoseWithCovariance of ROS."""
+    """Pose and how accurate it is (geometry_msgs/PoseWithCovariance)."""
 
     pose: Pose = Pose()
     covariance: Annotated[tuple[float, ...], ros.Fixed(36)] = ros.fixed(36)
+    """A 6 x 6 matrix, row-major about x, y, z and the rotations about x, y, z."""

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/PoseWithCovarianceStamped")
 @frozen
 class PoseWithCovarianceStamped:
-    """Message geometry_msgs/PoseWithCovarianceStamped of ROS."""
+    """Pose and its covariance, stamped (geometry_msgs/PoseWithCovarianceStamped)."""
 
     header: Header = Header()
     pose: PoseWithCovariance = PoseWithCovariance()

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/QuaternionStamped")
 @frozen
 class QuaternionStamped:
-    """Message geometry_msgs/QuaternionStamped of ROS."""
+    """Rotation with its time and frame (geometry_msgs/QuaternionStamped)."""
 
     header: Header = Header()
     quaternion: Quaternion = Quaternion()

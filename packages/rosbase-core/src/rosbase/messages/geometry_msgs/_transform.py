@@ -10,7 +10,9 @@ from rosbase.messages.geometry_msgs._vector3 import Vector3
 @message("geometry_msgs/msg/Transform")
 @frozen
 class Transform:
-    """Message geometry_msgs/Transform of ROS."""
+    """Transform between two frames: a rotation, then a translation (geometry_msgs/Transform)."""
 
     translation: Vector3 = Vector3()
+    """Translation in metres."""
     rotation: Quaternion = Quaternion()
+    """Rotation, a unit quaternion."""

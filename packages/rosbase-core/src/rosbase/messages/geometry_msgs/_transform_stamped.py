@@ -10,8 +10,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/TransformStamped")
 @frozen
 class TransformStamped:
-    """Message geometry_msgs/TransformStamped of ROS."""
+    """Transform of a child frame, with its time (geometry_msgs/TransformStamped)."""
 
     header: Header = Header()
+    """Time of the transform, and the parent frame."""
     child_frame_id: str = ""
+    """Frame whose coordinates the transform turns into those of the parent."""
     transform: Transform = Transform()

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/TwistStamped")
 @frozen
 class TwistStamped:
-    """Message geometry_msgs/TwistStamped of ROS."""
+    """Velocity with its time and frame (geometry_msgs/TwistStamped)."""
 
     header: Header = Header()
     twist: Twist = Twist()

@@ -12,7 +12,8 @@ from rosbase.messages.geometry_msgs._twist import Twist
 @message("geometry_msgs/msg/TwistWithCovariance")
 @frozen
 class TwistWithCovariance:
-    """Message geometry_msgs/TwistWithCovariance of ROS."""
+    """Velocity and how accurate it is (geometry_msgs/TwistWithCovariance)."""
 
     twist: Twist = Twist()
     covariance: Annotated[tuple[float, ...], ros.Fixed(36)] = ros.fixed(36)
+    """A 6 x 6 matrix, row-major about x, y, z and the rotations about x, y, z."""

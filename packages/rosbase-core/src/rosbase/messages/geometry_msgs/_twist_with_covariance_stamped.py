@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/TwistWithCovarianceStamped")
 @frozen
 class TwistWithCovarianceStamped:
-    """Message geometry_msgs/TwistWithCovarianceStamped of ROS."""
+    """Velocity and its covariance, stamped (geometry_msgs/TwistWithCovarianceStamped)."""
 
     header: Header = Header()
     twist: TwistWithCovariance = TwistWithCovariance()

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/Vector3Stamped")
 @frozen
 class Vector3Stamped:
-    """Message geometry_msgs/Vector3Stamped of ROS."""
+    """Vector with its time and frame (geometry_msgs/Vector3Stamped)."""
 
     header: Header = Header()
     vector: Vector3 = Vector3()

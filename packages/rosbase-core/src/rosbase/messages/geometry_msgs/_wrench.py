@@ -9,7 +9,9 @@ from rosbase.messages.geometry_msgs._vector3 import Vector3
 @message("geometry_msgs/msg/Wrench")
 @frozen
 class Wrench:
-    """Message geometry_msgs/Wrench of ROS."""
+    """Force and torque (geometry_msgs/Wrench)."""
 
     force: Vector3 = Vector3()
+    """Force in N."""
     torque: Vector3 = Vector3()
+    """Torque in Nm."""

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("geometry_msgs/msg/WrenchStamped")
 @frozen
 class WrenchStamped:
-    """Message geometry_msgs/WrenchStamped of ROS."""
+    """Force and torque with their time and frame (geometry_msgs/WrenchStamped)."""
 
     header: Header = Header()
     wrench: Wrench = Wrench()

@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("nav_msgs/msg/Goals")
 @frozen
 class Goals:
-    """Message nav_msgs/Goals of ROS."""
+    """Poses that a robot shall reach (nav_msgs/Goals)."""
 
     header: Header = Header()
     goals: tuple[PoseStamped, ...] = ()

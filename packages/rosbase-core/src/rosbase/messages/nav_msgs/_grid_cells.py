@@ -11,9 +11,12 @@ from rosbase.messages.std_msgs._header import Header
 @message("nav_msgs/msg/GridCells")
 @frozen
 class GridCells:
-    """Message nav_msgs/GridCells of ROS."""
+    """Cells of a grid, such as the obstacles (nav_msgs/GridCells)."""
 
     header: Header = Header()
     cell_width: ros.Float32 = 0.0
+    """Width of a cell in metres."""
     cell_height: ros.Float32 = 0.0
+    """Height of a cell in metres."""
     cells: tuple[Point, ...] = ()
+    """Centres of the cells in metres."""

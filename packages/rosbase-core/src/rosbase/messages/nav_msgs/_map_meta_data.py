@@ -11,10 +11,15 @@ from rosbase.messages.geometry_msgs._pose import Pose
 @message("nav_msgs/msg/MapMetaData")
 @frozen
 class MapMetaData:
-    """Message nav_msgs/MapMetaData of ROS."""
+    """Size and place of a map (nav_msgs/MapMetaData)."""
 
     map_load_time: Time = Time()
+    """Time at which the map was loaded."""
     resolution: ros.Float32 = 0.0
+    """Length of a cell's side in metres."""
     width: ros.UInt32 = 0
+    """Number of cells along x."""
     height: ros.UInt32 = 0
+    """Number of cells along y."""
     origin: Pose = Pose()
+    """Pose of the outer corner of cell (0, 0), in metres."""

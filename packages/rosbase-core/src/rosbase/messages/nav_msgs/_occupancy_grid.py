@@ -13,8 +13,9 @@ from rosbase.messages.std_msgs._header import Header
 @message("nav_msgs/msg/OccupancyGrid")
 @frozen
 class OccupancyGrid:
-    """Message nav_msgs/OccupancyGrid of ROS."""
+    """Map of a plane in cells (nav_msgs/OccupancyGrid)."""
 
     header: Header = Header()
     info: MapMetaData = MapMetaData()
     data: Annotated[ros.Buffer, ros.Numbers(ros.Width.INT8)] = ros.numbers(ros.Width.INT8)
+    """Probability that a cell is occupied in percent, row by row from (0, 0); -1: unknown."""

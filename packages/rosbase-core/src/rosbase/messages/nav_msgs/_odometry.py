@@ -11,9 +11,11 @@ from rosbase.messages.std_msgs._header import Header
 @message("nav_msgs/msg/Odometry")
 @frozen
 class Odometry:
-    """Message nav_msgs/Odometry of ROS."""
+    """Estimate of the pose and velocity of a robot (nav_msgs/Odometry)."""
 
     header: Header = Header()
+    """Time, and the frame of the pose, such as `odom`."""
     child_frame_id: str = ""
+    """Frame of the velocity, such as `base_link`."""
     pose: PoseWithCovariance = PoseWithCovariance()
     twist: TwistWithCovariance = TwistWithCovariance()

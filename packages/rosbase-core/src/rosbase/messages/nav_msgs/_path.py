@@ -10,7 +10,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("nav_msgs/msg/Path")
 @frozen
 class Path:
-    """Message nav_msgs/Path of ROS."""
+    """Poses that a robot shall pass, in order (nav_msgs/Path)."""
 
     header: Header = Header()
     poses: tuple[PoseStamped, ...] = ()

@@ -12,7 +12,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/BatteryState")
 @frozen
 class BatteryState:
-    """Message sensor_msgs/BatteryState of ROS."""
+    """State of a battery (sensor_msgs/BatteryState).
+
+    NaN stands for a quantity that is not measured.
+    """
 
     POWER_SUPPLY_STATUS_UNKNOWN: ClassVar[ros.UInt8] = 0
     POWER_SUPPLY_STATUS_CHARGING: ClassVar[ros.UInt8] = 1
@@ -40,17 +43,32 @@ class BatteryState:
 
     header: Header = Header()
     voltage: ros.Float32 = 0.0
+    """Voltage in V."""
     temperature: ros.Float32 = 0.0
+    """Temperature in degrees Celsius."""
     current: ros.Float32 = 0.0
+    """Current in A; negative while it discharges."""
     charge: ros.Float32 = 0.0
+    """Present charge in Ah."""
     capacity: ros.Float32 = 0.0
+    """Charge of the full battery in Ah, as last measured."""
     design_capacity: ros.Float32 = 0.0
+    """Charge of the full battery when it was new, in Ah."""
     percentage: ros.Float32 = 0.0
+    """Charge, 0 to 1."""
     power_supply_status: ros.UInt8 = 0
+    """One of the constants POWER_SUPPLY_STATUS."""
     power_supply_health: ros.UInt8 = 0
+    """One of the constants POWER_SUPPLY_HEALTH."""
     power_supply_technology: ros.UInt8 = 0
+    """One of the constants POWER_SUPPLY_TECHNOLOGY."""
     present: bool = False
+    """Whether there is a battery."""
     cell_voltage: tuple[ros.Float32, ...] = ()
+    """Voltage of each cell in V; NaN for one that is not measured."""
     cell_temperature: tuple[ros.Float32, ...] = ()
+    """Temperature of each cell in degrees Celsius."""
     location: str = ""
+    """Place of the battery, such as its slot."""
     serial_number: str = ""
+    """Serial number of the battery."""

@@ -13,16 +13,27 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/CameraInfo")
 @frozen
 class CameraInfo:
-    """Message sensor_msgs/CameraInfo of ROS."""
+    """Calibration of a camera, for the image with the same header (sensor_msgs/CameraInfo)."""
 
     header: Header = Header()
+    """Time of the image, and the optical frame: x to the right, y down, z forward."""
     height: ros.UInt32 = 0
+    """Height of the image that was calibrated, in pixels."""
     width: ros.UInt32 = 0
+    """Width of the image that was calibrated, in pixels."""
     distortion_model: str = ""
+    """Name of the model of distortion, such as `plumb_bob`."""
     d: tuple[float, ...] = ()
+    """Parameters of the distortion model."""
     k: Annotated[tuple[float, ...], ros.Fixed(9)] = ros.fixed(9)
+    """Intrinsic matrix of the raw image, 3 x 3, row-major; zeros: not calibrated."""
     r: Annotated[tuple[float, ...], ros.Fixed(9)] = ros.fixed(9)
+    """Rectification matrix, 3 x 3, row-major."""
     p: Annotated[tuple[float, ...], ros.Fixed(12)] = ros.fixed(12)
+    """Projection matrix of the rectified image, 3 x 4, row-major."""
     binning_x: ros.UInt32 = 0
+    """Number of columns of the camera for each of the image; 0 means 1."""
     binning_y: ros.UInt32 = 0
+    """Number of rows of the camera for each of the image; 0 means 1."""
     roi: RegionOfInterest = RegionOfInterest()
+    """Part of the camera's image that is sent; all zeros: all of it."""

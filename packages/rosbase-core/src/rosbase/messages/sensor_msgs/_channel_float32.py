@@ -11,7 +11,8 @@ from rosbase.messages.fields import message
 @message("sensor_msgs/msg/ChannelFloat32")
 @frozen
 class ChannelFloat32:
-    """Message sensor_msgs/ChannelFloat32 of ROS."""
+    """One more number for each point of a PointCloud (sensor_msgs/ChannelFloat32)."""
 
     name: str = ""
     values: Annotated[ros.Buffer, ros.Numbers(ros.Width.FLOAT32)] = ros.numbers(ros.Width.FLOAT32)
+    """One number per point."""

@@ -12,8 +12,11 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/CompressedImage")
 @frozen
 class CompressedImage:
-    """Message sensor_msgs/CompressedImage of ROS."""
+    """Image as a file would have it (sensor_msgs/CompressedImage)."""
 
     header: Header = Header()
+    """Time of the exposure, and the optical frame: x to the right, y down, z forward."""
     format: str = ""
+    """Compression, such as `jpeg` or `png`."""
     data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = ros.numbers(ros.Width.UINT8)
+    """Bytes of the compressed image."""

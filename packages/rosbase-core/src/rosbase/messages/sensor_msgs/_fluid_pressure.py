@@ -9,8 +9,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/FluidPressure")
 @frozen
 class FluidPressure:
-    """Message sensor_msgs/FluidPressure of ROS."""
+    """Pressure of air or water (sensor_msgs/FluidPressure)."""
 
     header: Header = Header()
     fluid_pressure: float = 0.0
+    """Absolute pressure in Pa."""
     variance: float = 0.0
+    """Variance in Pa^2; 0: unknown."""

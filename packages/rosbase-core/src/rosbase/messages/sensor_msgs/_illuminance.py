@@ -9,8 +9,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/Illuminance")
 @frozen
 class Illuminance:
-    """Message sensor_msgs/Illuminance of ROS."""
+    """Light on a sensor (sensor_msgs/Illuminance)."""
 
     header: Header = Header()
     illuminance: float = 0.0
+    """Illuminance in lux."""
     variance: float = 0.0
+    """Variance in lux^2; 0: unknown."""

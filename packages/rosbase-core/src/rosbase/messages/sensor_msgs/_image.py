@@ -12,12 +12,19 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/Image")
 @frozen
 class Image:
-    """Message sensor_msgs/Image of ROS."""
+    """Image without compression (sensor_msgs/Image)."""
 
     header: Header = Header()
+    """Time of the exposure, and the optical frame: x to the right, y down, z forward."""
     height: ros.UInt32 = 0
+    """Number of rows."""
     width: ros.UInt32 = 0
+    """Number of pixels in a row."""
     encoding: str = ""
+    """Meaning of the bytes, such as `rgb8`, `bgr8`, `mono8` or `16UC1`."""
     is_bigendian: ros.UInt8 = 0
+    """1 if numbers of several bytes have the most significant one in front."""
     step: ros.UInt32 = 0
+    """Number of bytes in a row."""
     data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = ros.numbers(ros.Width.UINT8)
+    """Pixels, row by row: `step` times `height` bytes."""

@@ -11,7 +11,7 @@ from rosbase.messages.fields import message
 @message("sensor_msgs/msg/JoyFeedback")
 @frozen
 class JoyFeedback:
-    """Message sensor_msgs/JoyFeedback of ROS."""
+    """Request to a joystick: light, rumble or buzzer (sensor_msgs/JoyFeedback)."""
 
     TYPE_LED: ClassVar[ros.UInt8] = 0
     TYPE_RUMBLE: ClassVar[ros.UInt8] = 1
@@ -20,3 +20,4 @@ class JoyFeedback:
     type: ros.UInt8 = 0
     id: ros.UInt8 = 0
     intensity: ros.Float32 = 0.0
+    """Strength, 0 to 1."""

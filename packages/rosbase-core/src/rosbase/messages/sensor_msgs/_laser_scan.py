@@ -12,17 +12,27 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/LaserScan")
 @frozen
 class LaserScan:
-    """Message sensor_msgs/LaserScan of ROS."""
+    """One turn of a laser scanner in a plane (sensor_msgs/LaserScan)."""
 
     header: Header = Header()
+    """Time of the first ray, and the frame: angles count about its z axis, from x."""
     angle_min: ros.Float32 = 0.0
+    """Angle of the first ray in rad."""
     angle_max: ros.Float32 = 0.0
+    """Angle of the last ray in rad."""
     angle_increment: ros.Float32 = 0.0
+    """Angle between two rays in rad."""
     time_increment: ros.Float32 = 0.0
+    """Time between two rays in s."""
     scan_time: ros.Float32 = 0.0
+    """Time between two scans in s."""
     range_min: ros.Float32 = 0.0
+    """Shortest distance in metres that means something."""
     range_max: ros.Float32 = 0.0
+    """Longest distance in metres that means something."""
     ranges: Annotated[ros.Buffer, ros.Numbers(ros.Width.FLOAT32)] = ros.numbers(ros.Width.FLOAT32)
+    """Distance of each ray in metres."""
     intensities: Annotated[ros.Buffer, ros.Numbers(ros.Width.FLOAT32)] = ros.numbers(
         ros.Width.FLOAT32
     )
+    """Intensity of each ray in units of the device, or empty."""

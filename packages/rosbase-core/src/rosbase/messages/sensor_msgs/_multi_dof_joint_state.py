@@ -12,7 +12,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/MultiDOFJointState")
 @frozen
 class MultiDOFJointState:
-    """Message sensor_msgs/MultiDOFJointState of ROS."""
+    """Joints with several degrees of freedom (sensor_msgs/MultiDOFJointState)."""
 
     header: Header = Header()
     joint_names: tuple[str, ...] = ()

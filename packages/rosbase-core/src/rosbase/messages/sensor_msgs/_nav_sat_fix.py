@@ -14,7 +14,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/NavSatFix")
 @frozen
 class NavSatFix:
-    """Message sensor_msgs/NavSatFix of ROS."""
+    """Position by satellites (WGS 84) (sensor_msgs/NavSatFix)."""
 
     COVARIANCE_TYPE_UNKNOWN: ClassVar[ros.UInt8] = 0
     COVARIANCE_TYPE_APPROXIMATED: ClassVar[ros.UInt8] = 1
@@ -22,9 +22,15 @@ class NavSatFix:
     COVARIANCE_TYPE_KNOWN: ClassVar[ros.UInt8] = 3
 
     header: Header = Header()
+    """Time of the measurement, and the frame of the antenna."""
     status: NavSatStatus = NavSatStatus()
     latitude: float = 0.0
+    """Latitude in degrees; positive is north."""
     longitude: float = 0.0
+    """Longitude in degrees; positive is east."""
     altitude: float = 0.0
+    """Height above the ellipsoid in metres; NaN: unknown."""
     position_covariance: Covariance = ros.fixed(9)
+    """Covariance in m^2, about east, north, up."""
     position_covariance_type: ros.UInt8 = 0
+    """Meaning of the covariance: one of the constants COVARIANCE_TYPE."""

@@ -11,7 +11,7 @@ from rosbase.messages.fields import message
 @message("sensor_msgs/msg/NavSatStatus")
 @frozen
 class NavSatStatus:
-    """Message sensor_msgs/NavSatStatus of ROS."""
+    """Quality of a position by satellites (sensor_msgs/NavSatStatus)."""
 
     STATUS_UNKNOWN: ClassVar[ros.Int8] = -2
     STATUS_NO_FIX: ClassVar[ros.Int8] = -1
@@ -25,4 +25,6 @@ class NavSatStatus:
     SERVICE_GALILEO: ClassVar[ros.UInt16] = 8
 
     status: ros.Int8 = -2
+    """One of the constants STATUS."""
     service: ros.UInt16 = 0
+    """Sum of the constants SERVICE that were used."""

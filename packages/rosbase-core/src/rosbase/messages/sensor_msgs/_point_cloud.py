@@ -11,7 +11,7 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/PointCloud")
 @frozen
 class PointCloud:
-    """Message sensor_msgs/PointCloud of ROS."""
+    """Points as messages; PointCloud2 is smaller and faster (sensor_msgs/PointCloud)."""
 
     header: Header = Header()
     points: tuple[Point32, ...] = ()

@@ -13,14 +13,22 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/PointCloud2")
 @frozen
 class PointCloud2:
-    """Message sensor_msgs/PointCloud2 of ROS."""
+    """Points with any fields, as bytes (sensor_msgs/PointCloud2)."""
 
     header: Header = Header()
     height: ros.UInt32 = 0
+    """Number of rows; 1 if the points have no order."""
     width: ros.UInt32 = 0
+    """Number of points in a row."""
     fields: tuple[PointField, ...] = ()
+    """Fields of a point, and where they are in its bytes."""
     is_bigendian: bool = False
+    """Whether numbers have the most significant byte in front."""
     point_step: ros.UInt32 = 0
+    """Number of bytes of a point."""
     row_step: ros.UInt32 = 0
+    """Number of bytes of a row."""
     data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = ros.numbers(ros.Width.UINT8)
+    """Points, row by row: `row_step` times `height` bytes."""
     is_dense: bool = False
+    """Whether no point is invalid."""

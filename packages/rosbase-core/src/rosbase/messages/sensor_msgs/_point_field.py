@@ -11,7 +11,7 @@ from rosbase.messages.fields import message
 @message("sensor_msgs/msg/PointField")
 @frozen
 class PointField:
-    """Message sensor_msgs/PointField of ROS."""
+    """One field of the points of a PointCloud2 (sensor_msgs/PointField)."""
 
     INT8: ClassVar[ros.UInt8] = 1
     UINT8: ClassVar[ros.UInt8] = 2
@@ -23,6 +23,10 @@ class PointField:
     FLOAT64: ClassVar[ros.UInt8] = 8
 
     name: str = ""
+    """Name of the field, such as `x` or `intensity`."""
     offset: ros.UInt32 = 0
+    """Offset in the bytes of a point."""
     datatype: ros.UInt8 = 0
+    """One of the constants, such as FLOAT32."""
     count: ros.UInt32 = 0
+    """Number of elements."""

@@ -12,15 +12,21 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/Range")
 @frozen
 class Range:
-    """Message sensor_msgs/Range of ROS."""
+    """Distance by ultrasound or infrared (sensor_msgs/Range)."""
 
     ULTRASOUND: ClassVar[ros.UInt8] = 0
     INFRARED: ClassVar[ros.UInt8] = 1
 
     header: Header = Header()
     radiation_type: ros.UInt8 = 0
+    """ULTRASOUND or INFRARED."""
     field_of_view: ros.Float32 = 0.0
+    """Angle of the cone in rad."""
     min_range: ros.Float32 = 0.0
+    """Shortest distance in metres that means something."""
     max_range: ros.Float32 = 0.0
+    """Longest distance in metres that means something."""
     range: ros.Float32 = 0.0
+    """Distance in metres; -inf: too near, +inf: nothing seen."""
     variance: ros.Float32 = 0.0
+    """Variance in m^2; 0: unknown."""

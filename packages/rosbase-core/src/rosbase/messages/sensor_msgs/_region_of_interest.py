@@ -9,10 +9,13 @@ from rosbase.messages.fields import message
 @message("sensor_msgs/msg/RegionOfInterest")
 @frozen
 class RegionOfInterest:
-    """Message sensor_msgs/RegionOfInterest of ROS."""
+    """Part of an image, in pixels (sensor_msgs/RegionOfInterest)."""
 
     x_offset: ros.UInt32 = 0
+    """Left column."""
     y_offset: ros.UInt32 = 0
+    """Upper row."""
     height: ros.UInt32 = 0
     width: ros.UInt32 = 0
     do_rectify: bool = False
+    """Whether the part belongs to the rectified image."""

@@ -9,8 +9,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/RelativeHumidity")
 @frozen
 class RelativeHumidity:
-    """Message sensor_msgs/RelativeHumidity of ROS."""
+    """Humidity of the air (sensor_msgs/RelativeHumidity)."""
 
     header: Header = Header()
     relative_humidity: float = 0.0
+    """Relative humidity, 0 to 1."""
     variance: float = 0.0
+    """Variance; 0: unknown."""

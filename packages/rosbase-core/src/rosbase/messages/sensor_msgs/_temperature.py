@@ -9,8 +9,10 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/Temperature")
 @frozen
 class Temperature:
-    """Message sensor_msgs/Temperature of ROS."""
+    """Temperature (sensor_msgs/Temperature)."""
 
     header: Header = Header()
     temperature: float = 0.0
+    """Temperature in degrees Celsius."""
     variance: float = 0.0
+    """Variance in degrees Celsius squared; 0: unknown."""

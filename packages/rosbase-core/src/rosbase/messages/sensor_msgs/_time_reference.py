@@ -10,8 +10,11 @@ from rosbase.messages.std_msgs._header import Header
 @message("sensor_msgs/msg/TimeReference")
 @frozen
 class TimeReference:
-    """Message sensor_msgs/TimeReference of ROS."""
+    """Time of another clock (sensor_msgs/TimeReference)."""
 
     header: Header = Header()
+    """Time of the measurement by the own clock; the frame is not used."""
     time_ref: Time = Time()
+    """Time of the other clock."""
     source: str = ""
+    """Name of the other clock."""

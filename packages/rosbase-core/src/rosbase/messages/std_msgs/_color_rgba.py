@@ -9,9 +9,10 @@ from rosbase.messages.fields import message
 @message("std_msgs/msg/ColorRGBA")
 @frozen
 class ColorRGBA:
-    """Message std_msgs/ColorRGBA of ROS."""
+    """A colour; each component is 0 to 1 (std_msgs/ColorRGBA)."""
 
     r: ros.Float32 = 0.0
     g: ros.Float32 = 0.0
     b: ros.Float32 = 0.0
     a: ros.Float32 = 0.0
+    """Opacity: 0 cannot be seen."""

@@ -9,6 +9,6 @@ from rosbase.messages.geometry_msgs._transform_stamped import TransformStamped
 @message("tf2_msgs/msg/TFMessage")
 @frozen
 class TFMessage:
-    """Message tf2_msgs/TFMessage of ROS."""
+    """Transforms between frames, as on the topics `/tf` and `/tf_static` (tf2_msgs/TFMessage)."""
 
     transforms: tuple[TransformStamped, ...] = ()

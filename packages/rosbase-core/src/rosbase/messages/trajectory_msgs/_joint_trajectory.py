@@ -10,8 +10,9 @@ from rosbase.messages.trajectory_msgs._joint_trajectory_point import JointTrajec
 @message("trajectory_msgs/msg/JointTrajectory")
 @frozen
 class JointTrajectory:
-    """Message trajectory_msgs/JointTrajectory of ROS."""
+    """Movement of joints (trajectory_msgs/JointTrajectory)."""
 
     header: Header = Header()
     joint_names: tuple[str, ...] = ()
+    """Names of the joints, in the order of the points' numbers."""
     points: tuple[JointTrajectoryPoint, ...] = ()

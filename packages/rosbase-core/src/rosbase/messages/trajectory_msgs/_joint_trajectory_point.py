@@ -9,10 +9,15 @@ from rosbase.messages.fields import message
 @message("trajectory_msgs/msg/JointTrajectoryPoint")
 @frozen
 class JointTrajectoryPoint:
-    """Message trajectory_msgs/JointTrajectoryPoint of ROS."""
+    """Joints at one time of a movement (trajectory_msgs/JointTrajectoryPoint)."""
 
     positions: tuple[float, ...] = ()
+    """Positions in rad, or m for a sliding joint."""
     velocities: tuple[float, ...] = ()
+    """Velocities in rad/s, or m/s."""
     accelerations: tuple[float, ...] = ()
+    """Accelerations in rad/s^2, or m/s^2."""
     effort: tuple[float, ...] = ()
+    """Efforts in Nm, or N."""
     time_from_start: Duration = Duration()
+    """Time since the start of the movement."""

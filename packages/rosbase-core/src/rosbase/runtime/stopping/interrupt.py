@@ -22,6 +22,14 @@ _KNOCK = getattr(signal, "SIGURG", None)
 _RETRY_S = 0.01
 _REPEAT_S = 0.5
 _DRAIN_TRIES = 100
+# Callbacks of weak references in the standard library. Python prints what is raised there, with a
+# traceback, and goes on.
+_CALLBACKS = {
+    ("_weakrefset", "_remove"),
+    ("importlib._bootstrap", "cb"),
+    ("importlib._bootstrap", "remove"),
+    ("weakref", "remove"),
+}
 # Exceptions of an own clean-up, each raised while the one before was handled.
 _MOST_CONTEXTS = 20
 
@@ -106,6 +114,8 @@ class Interrupt:
         """Raise if it is due and the frame is user code. Called by signal handlers."""
         if self._due_ns is None or self._clock.monotonic_ns() < self._due_ns:
             return
+        if _is_callback(frame):
+            return
         if not is_user_code(frame):
             if self._defer is not None and not self._is_deferred:
                 self._is_deferred = True
@@ -154,6 +164,13 @@ def _is_handled(error: BaseException | None) -> bool:
             break
         handled = handled.__context__
     return handled is not None and handled is error
+
+
+def _is_callback(frame: FrameType | None) -> bool:
+    """Return whether an exception that is raised in the frame would be lost."""
+    if frame is None:
+        return False
+    return (frame.f_globals.get("__name__"), frame.f_code.co_name) in _CALLBACKS
 
 
 def is_user_code(frame: FrameType | None, *, innermost: bool = False) -> bool:

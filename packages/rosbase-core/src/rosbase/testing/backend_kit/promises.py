@@ -116,6 +116,10 @@ _SENTENCES = {
         "A destroyed timer makes no calls, also if it destroyed itself or is reset"
     ),
     "timers-wake-the-spinner": "A timer that another thread creates wakes a spinner that waits",
+    "timers-tell-their-time": (
+        "timer_now_ns is the time of the timers, for any thread: from call to call of a timer, it"
+        " advances by one period, whatever happens to the date"
+    ),
     "wrong-periods-are-errors": "A period that is not a positive, finite number is a ValueError",
     # Names.
     "wrong-node-names-are-errors": (

@@ -16,6 +16,7 @@ __all__ = ["TimerChecks"]
 
 _PERIOD_S = 0.02
 _NS_PER_S = 1_000_000_000
+_HOUR_NS = 3_600 * _NS_PER_S
 _MANY = 40
 _NO_PERIODS = (0, -1.0, float("nan"), float("inf"))
 
@@ -132,6 +133,28 @@ class TimerChecks(BackendRig):
         promised.require(not other.times, f"destroyed, then reset: {other.shown()}")
         promised.require(len(own.times) == 1, f"destroyed by its own call: {own.shown()}")
         promised.require(other.timer.is_canceled(), "is_canceled() is false of a destroyed timer")
+
+    def test_timers_tell_their_time(self) -> None:
+        promised, backend = promise("timers-tell-their-time"), self._open_timed()
+        self.on_thread(promised, backend.timer_now_ns, "timer_now_ns, on another thread,")
+        told: list[float] = []
+
+        def read(ticks: _Ticks) -> None:
+            told.append(backend.timer_now_ns() / (_PERIOD_S * _NS_PER_S))
+            if isinstance(backend.executor.clock, ManualClock):
+                backend.executor.clock.date_ns -= _HOUR_NS
+
+        ticks = _Ticks(backend, read)
+        self._await_ticks(promised, backend, ticks, _MANY)
+        steps = [later - earlier for earlier, later in pairwise(told)]
+        gaps = [later - earlier for earlier, later in pairwise(ticks.times)]
+        # The median, because a busy machine may pause between two readings.
+        error = median(abs(step - gap) for step, gap in zip(steps, gaps, strict=True))
+        promised.require(
+            error < 0.1 and min(steps) >= 0.0,
+            f"{median(gaps):.2f} periods passed between calls, and timer_now_ns advanced by"
+            f" {min(steps):.2f} to {max(steps):.2f} periods",
+        )
 
     def test_wrong_periods_are_errors(self) -> None:
         promised, backend = promise("wrong-periods-are-errors"), self._open_timed()

@@ -1,0 +1,155 @@
+"""The standard services that a backend offers for its nodes, and the topics of transitions."""
+
+import threading
+from functools import partial
+from typing import Any
+
+from rosbase.contracts.backend import Backend, Publisher
+from rosbase.contracts.parameter_store import ParameterStore
+from rosbase.contracts.service_server import ServiceRequest, ServiceServer
+from rosbase.errors import ServiceFailedError
+from rosbase.lifecycle import ManagedNode, TransitionEvent
+from rosbase.local.bus import Bus
+from rosbase.local.service_registry import type_name
+from rosbase.local.standard.catalog import LIFECYCLE, PARAMETERS, TRANSITION_EVENT
+from rosbase.logger import RosbaseLogger
+
+__all__ = ["StandardOffers"]
+
+# That of rcl_lifecycle.
+_EVENT_DEPTH = 10
+
+
+class StandardOffers:
+    """Standard services of the nodes of one backend.
+
+    Until the first request comes, a node is an entry in a dict: whoever uses no standard service
+    pays for no more. Modules are imported then too.
+    """
+
+    def __init__(
+        self, backend: Backend, bus: Bus, store: ParameterStore, logger: RosbaseLogger
+    ) -> None:
+        """Offer nothing yet.
+
+        Args:
+            backend: The backend. The answers are made on the thread that spins it.
+            bus: Where others find the services.
+            store: The parameters of all nodes.
+            logger: Logs requests that fail.
+        """
+        self._backend = backend
+        self._bus = bus
+        self._store = store
+        self._logger = logger
+        # By node: what its parameters in the store begin with, and its lifecycle.
+        self._prefixes: dict[str, str] = {}
+        self._lifecycles: dict[str, ManagedNode] = {}
+        # What was asked for, by node and kind; guarded with _is_closed by the lock.
+        self._made: dict[tuple[str, str], dict[str, ServiceServer]] = {}
+        self._is_closed = False
+        self._lock = threading.Lock()
+        self._events: dict[str, Publisher[Any]] = {}
+        bus.services.add_standard(self)
+
+    def offer_parameters(self, node_name: str, prefix: str) -> None:
+        """Answer for the parameters of a node, which have the prefix in the store."""
+        node = f"/{node_name}"
+        self._prefixes.setdefault(node, prefix)
+        self._bus.services.standard_changed(node, PARAMETERS)
+
+    def offer_lifecycle(self, node_name: str, managed: ManagedNode) -> None:
+        """Answer for the lifecycle of a node, and publish its transitions."""
+        node = f"/{node_name}"
+        first = self._lifecycles.setdefault(node, managed)
+        if first is not managed:
+            self._logger.warning(
+                f"{type(managed).__name__} has no services of its lifecycle: those of {node} are"
+                f" of its first lifecycle node, {type(first).__name__}"
+            )
+            return
+        managed.add_transition_listener(partial(self._publish, node))
+        self._bus.services.standard_changed(node, LIFECYCLE)
+
+    def has(self, node: str, kind: str) -> bool:
+        """Return whether a node has services of that kind."""
+        return node in (self._lifecycles if kind == LIFECYCLE else self._prefixes)
+
+    def nodes(self) -> list[tuple[str, str]]:
+        """Return the nodes with the kinds that they have."""
+        return [
+            *((node, PARAMETERS) for node in list(self._prefixes)),
+            *((node, LIFECYCLE) for node in list(self._lifecycles)),
+        ]
+
+    def provider(self, node: str, kind: str, service: str) -> "_Offer":
+        """Return whoever answers requests for a service."""
+        return _Offer(self, node, kind, service)
+
+    def take(self, node: str, kind: str, service: str, call: ServiceRequest) -> None:
+        """Answer a request soon. Call it from any thread."""
+        with self._lock:
+            if self._is_closed:
+                found = None
+            else:
+                if (node, kind) not in self._made:
+                    self._made[node, kind] = self._make(node, kind)
+                found = self._made[node, kind][service]
+        if found is None:
+            call.set_exception(ServiceFailedError(f"{node}/{service}"))
+        else:
+            found.take(call)
+
+    def close(self) -> None:
+        """Answer no more requests: those that wait fail. Idempotent."""
+        self._bus.services.remove_standard(self)
+        with self._lock:
+            self._is_closed = True
+            made, self._made = self._made, {}
+        for services in made.values():
+            for service in services.values():
+                service.close()
+
+    def _make(self, node: str, kind: str) -> dict[str, ServiceServer]:
+        from rosbase.local.standard.node_services import make_services
+
+        if kind == LIFECYCLE:
+            from rosbase.local.standard.lifecycle_answers import lifecycle_answers
+
+            refuse = partial(self._warn_of_refusal, node)
+            answers = lifecycle_answers(self._lifecycles[node], refuse)
+        else:
+            from rosbase.local.standard.node_parameters import NodeParameters
+            from rosbase.local.standard.parameter_answers import parameter_answers
+
+            prefix = self._prefixes[node]
+            parameters = NodeParameters(self._store, prefix, self._prefixes.values())
+            answers = parameter_answers(parameters)
+        return make_services(node, answers, self._backend.executor, self._logger)
+
+    def _warn_of_refusal(self, node: str, line: str) -> None:
+        self._logger.warning(f"{node}/{line}")
+
+    def _publish(self, node: str, event: TransitionEvent) -> None:
+        """Publish a step of a node if anybody listens. Called on the thread that takes it."""
+        topic = f"{node}/transition_event"
+        heard = self._bus.heard_type(topic)
+        if self._is_closed or heard is None or type_name(heard) != TRANSITION_EVENT:
+            return
+        from rosbase.local.standard.lifecycle_answers import event_message
+
+        message = event_message(event, self._backend.clock.now_ns())
+        if topic not in self._events:
+            self._events[topic] = self._backend.create_publisher(heard, topic, _EVENT_DEPTH)
+        self._events[topic].publish(message)
+
+
+class _Offer:
+    """One of the services."""
+
+    def __init__(self, offers: StandardOffers, node: str, kind: str, service: str) -> None:
+        self._take = partial(offers.take, node, kind, service)
+
+    def take(self, call: ServiceRequest) -> None:
+        """Answer the request soon."""
+        self._take(call)

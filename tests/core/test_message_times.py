@@ -1,0 +1,122 @@
+"""Times and durations can be computed with and compared, as those of rclpy."""
+
+import pickle
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosbase.messages import Duration, Header, Time
+
+S = 1_000_000_000
+nanoseconds = st.integers(-(2**31) * S, 2**31 * S - 1)
+raw = st.tuples(st.integers(-(2**31), 2**31 - 1), st.integers(0, 2**32 - 1))
+
+
+class Foreign:
+    """As those of rclpy: a class of the same name, which has its nanoseconds."""
+
+    def __init__(self, count: int) -> None:
+        self.nanoseconds = count
+
+
+RclpyTime, RclpyDuration = type("Time", (Foreign,), {}), type("Duration", (Foreign,), {})
+
+
+class Fields:
+    """As the messages of ROS."""
+
+    def __init__(self, count: int) -> None:
+        self.sec, self.nanosec = divmod(count, S)
+
+
+RosTime, RosDuration = type("Time", (Fields,), {}), type("Duration", (Fields,), {})
+TIMES: list[Any] = [Time.from_nanoseconds, RclpyTime, RosTime]
+DURATIONS: list[Any] = [Duration.from_nanoseconds, RclpyDuration, RosDuration]
+
+
+@given(nanoseconds, nanoseconds, st.sampled_from(TIMES), st.sampled_from(DURATIONS))
+def test_sums_and_differences_are_exact_with_the_objects_of_rclpy_on_either_side(
+    a: int, b: int, make_time: Any, make_duration: Any
+) -> None:
+    time, duration = Time.from_nanoseconds(a), Duration.from_nanoseconds(a)
+    cases: list[tuple[Any, type[Time | Duration], int]] = [
+        (time + make_duration(b), Time, a + b),
+        (make_duration(b) + time, Time, a + b),
+        (time - make_duration(b), Time, a - b),
+        (time - make_time(b), Duration, a - b),
+        (make_time(b) - time, Duration, b - a),
+        (make_time(b) + duration, Time, b + a),
+        (duration + make_time(b), Time, a + b),
+        (make_time(b) - duration, Time, b - a),
+        (duration + make_duration(b), Duration, a + b),
+        (make_duration(b) + duration, Duration, a + b),
+        (duration - make_duration(b), Duration, a - b),
+        (make_duration(b) - duration, Duration, b - a),
+        (-duration, Duration, -a),
+    ]
+    for got, kind, count in cases:
+        assert type(got) is kind
+        assert got.nanoseconds == count
+        assert 0 <= got.nanosec < S
+
+
+@given(raw, raw)
+def test_comparison_goes_by_nanoseconds_and_equal_ones_have_equal_hashes(
+    a: tuple[int, int], b: tuple[int, int]
+) -> None:
+    kinds: list[tuple[Any, Any]] = [(Time, RclpyTime), (Duration, RclpyDuration)]
+    for kind, foreign in kinds:
+        one, two = kind(*a), kind(*b)
+        for other in (two, foreign(two.nanoseconds)):
+            assert (one < other) is (one.nanoseconds < two.nanoseconds)
+            assert (one <= other) is (one.nanoseconds <= two.nanoseconds)
+            assert (one > other) is (one.nanoseconds > two.nanoseconds)
+            assert (one >= other) is (one.nanoseconds >= two.nanoseconds)
+            assert (one == other) is (one.nanoseconds == two.nanoseconds)
+        same = kind.from_nanoseconds(one.nanoseconds)
+        assert same == one
+        assert hash(same) == hash(one)
+        assert (same == foreign(one.nanoseconds)) is True
+
+
+def test_what_makes_no_sense_is_refused_by_python() -> None:
+    time: Any = Time(1)
+    duration: Any = Duration(1)
+    for wrong in (
+        lambda: time + Time(1),
+        lambda: time + 1,
+        lambda: 1 + time,
+        lambda: 1 - time,
+        lambda: duration + 1.0,
+        lambda: 1.0 + duration,
+        lambda: 1 - duration,
+        lambda: duration - time,
+        lambda: time < duration,
+        lambda: time >= 1,
+        lambda: duration > None,
+        lambda: duration <= "1",
+        lambda: RosDuration(1) - time,
+        lambda: sum([time]),
+    ):
+        with pytest.raises(TypeError):
+            wrong()  # type: ignore[no-untyped-call]
+    assert time != duration
+    assert time != 1_000_000_000
+    assert time != Header(time)
+    assert (time == None) is False  # noqa: E711
+
+
+def test_they_are_sorted_used_as_keys_pickled_and_cannot_be_changed() -> None:
+    times = [Time(2), Time(1, 5), Time(1)]
+    assert sorted(times) == [Time(1), Time(1, 5), Time(2)]
+    assert max(times) - min(times) == Duration(1)
+    assert {Time(1): "a"}[Time(0, S)] == "a"
+    assert pickle.loads(pickle.dumps(Time(1, 2))) == Time(1, 2)
+    with pytest.raises(AttributeError):
+        times[0].sec = 1  # type: ignore[misc]
+    assert repr(Time(1, 2)) == "Time(sec=1, nanosec=2)"
+    assert repr(-Duration(0, 1)) == "Duration(sec=-1, nanosec=999999999)"
+    assert Time(1).to_msg() is not None
+    assert Duration(3).to_msg() == Duration(3)
