@@ -263,6 +263,7 @@ class RosNode(NodeConnection):
             )
             return
         self._parameters.watch_transitions(node.describe_transition)
+        # A program may ask for a transition of its own node, and wait.
         call_urgently = self._process.executor.call_urgently
         self._lifecycle_services.append(
             LifecycleServices(self.node, node, call_urgently, self._logger)
