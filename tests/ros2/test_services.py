@@ -17,11 +17,18 @@ from rosbase import (
     BaseManager,
     BaseNode,
     LifecycleNode,
+    Parameter,
+    ParameterSpec,
     ServiceError,
     ServiceFailedError,
     ServiceTimeoutError,
+    SetParametersResult,
+    State,
 )
 from rosbase.messages.fields import UInt32, message
+from rosbase.messages.lifecycle_msgs import ChangeState, Transition
+from rosbase.messages.rcl_interfaces import Parameter as RosParameter
+from rosbase.messages.rcl_interfaces import ParameterValue, SetParameters
 from rosbase.messages.std_srvs import Empty, SetBool, Trigger
 from rosbase_ros2 import services
 from rosbase_ros2.backend import Ros2Backend
@@ -462,6 +469,29 @@ def test_a_service_of_a_lifecycle_node_is_on_its_own_ros_node(opened: Open, plai
         assert found[f"/{node}/{own}"] == ["std_srvs/srv/SetBool"]
         client = backend.create_client(SetBool, f"/{name}")
         assert client.call(SetBool.Request()).success
+
+
+def test_a_call_of_a_standard_service_of_the_same_manager_is_answered(opened: Open) -> None:
+    backend = opened()
+    manager = BaseManager("driver", {"left": Gripper}, backend=backend)
+    change = backend.create_client(ChangeState, "left/change_state")
+    configure = ChangeState.Request(Transition(label="configure"))
+    assert change.call(configure, timeout_s=TIMEOUT_S).success
+    assert manager.nodes["left"].get_state() is State.INACTIVE
+    backend.declare_parameter(ParameterSpec("speed", 1.0))
+    asked: list[float] = []
+
+    def allow(parameters: list[Parameter[Any]]) -> SetParametersResult:
+        asked.extend(one.value for one in parameters)
+        return SetParametersResult(successful=True)
+
+    backend.add_on_set_parameters_callback(allow)
+    request = SetParameters.Request(
+        parameters=(RosParameter("speed", ParameterValue(type=3, double_value=2.0)),)
+    )
+    client = backend.create_client(SetParameters, "~/set_parameters")
+    assert client.call(request, timeout_s=TIMEOUT_S).results[0].successful
+    assert asked == [backend.get_parameter("speed").value] == [2.0]
 
 
 # What it costs.

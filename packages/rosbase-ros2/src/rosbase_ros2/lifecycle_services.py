@@ -55,7 +55,8 @@ class LifecycleServices:
         Args:
             node: The rclpy node under whose name they appear.
             managed: The node with the lifecycle.
-            call_soon: Queues a function for the main loop. It is called on the thread of the
+            call_soon: Queues a function for the main loop, also while that waits for an answer of a
+                service. It is called on the thread of the
                 executor that spins `node`.
             logger: Logs requests that fail.
         """

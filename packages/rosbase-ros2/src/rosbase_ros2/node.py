@@ -104,7 +104,7 @@ class RosNode(NodeConnection):
         is_child = process.options.is_child
         self._warn = self._logger.debug if is_child else self._logger.warning
         self._overrides = QoSOverrides(self._given, self._warn)
-        questions = Questions(process.executor.call_soon, process.is_on_rclpy_thread)
+        questions = Questions(process.executor.call_urgently, process.is_on_rclpy_thread)
         written = process.arguments.written_for(node.get_fully_qualified_name())
         overrides = Overrides(self._values, self._given, own_first(written, prefix))
         self._parameters = RosParameters(
@@ -263,8 +263,11 @@ class RosNode(NodeConnection):
             )
             return
         self._parameters.watch_transitions(node.describe_transition)
-        call_soon = self._process.executor.call_soon
-        self._lifecycle_services.append(LifecycleServices(self.node, node, call_soon, self._logger))
+        # A program may ask for a transition of its own node, and wait.
+        call_urgently = self._process.executor.call_urgently
+        self._lifecycle_services.append(
+            LifecycleServices(self.node, node, call_urgently, self._logger)
+        )
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]

@@ -21,7 +21,8 @@ class Questions:
         """Prepare to ask.
 
         Args:
-            call_soon: Queues a call for the main loop.
+            call_soon: Queues a call for the main loop, also while that waits for an answer of a
+                service.
             is_foreign: Whether the caller is on rclpy's thread; any other thread answers by
                 itself.
         """

@@ -13,11 +13,7 @@ from attrs import define, field
 
 from rosbase.contracts.service_server import ServiceRequest
 from rosbase.errors import BackendError, ServiceFailedError
-from rosbase.local.service_interfaces import (
-    Provider,
-    ServiceLinkEnd,
-    StandardServices,
-)
+from rosbase.local.service_interfaces import Provider, ServiceLinkEnd, StandardServices
 from rosbase.local.standard.known import KnownServices, names_of
 
 __all__ = ["ServiceRegistry", "type_name"]
