@@ -125,7 +125,7 @@ def test_another_message_in_the_place_of_a_quantity_is_refused() -> None:
         write(Imu(orientation=Vector3()))  # type: ignore[arg-type]
     for wrong in (Twist(), MagneticField(), None):
         with pytest.raises(TypeError, match=r"^Imu takes messages of type Imu, not "):
-            write(wrong)  # type: ignore[arg-type]
+            write(wrong)
 
 
 def test_a_covariance_of_another_size_is_refused() -> None:
