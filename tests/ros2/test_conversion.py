@@ -49,9 +49,10 @@ def over_the_network(message: object) -> object:
     return converter.from_ros(serialization.deserialize_message(data, converter.ros_type))
 
 
-def test_every_message_of_rosbase_has_a_converter() -> None:
-    found = [kind for kind in vars(messages).values() if attrs.has(kind)]
-    assert {CONVERSIONS.of(kind).msg_type for kind in found} == set(TYPES)
+def test_every_message_that_is_compared_here_has_a_converter() -> None:
+    # Not what else is imported: a message is imported when it is used.
+    found = [getattr(messages, kind.__name__) for kind in TYPES]
+    assert [CONVERSIONS.of(kind).msg_type for kind in found] == TYPES
 
 
 @pytest.mark.parametrize("kind", TYPES)
