@@ -24,6 +24,9 @@ from support.wire_messages import CLASSES, Rolled, flat, made, messages_of, name
 rosbags: Any = pytest.importorskip("rosbags.typesys")
 serialization: Any = import_module("rclpy.serialization")
 
+# Bytes are those of every Python.
+pytestmark = pytest.mark.once
+
 STORE: Any = rosbags.get_typestore(rosbags.Stores.ROS2_JAZZY)
 CASES = int(os.environ.get("ROSBASE_WIRE_CASES", "1000"))
 BY_ROS = [cls for cls in CLASSES if not name_of(cls).startswith("tf2_msgs/")]
