@@ -94,7 +94,8 @@ def _test(session: nox.Session, folder: str, *options: str) -> None:
     Many of them check a time limit, and a machine that stalls for a second breaks it. So a few
     that fail beside others run once more, alone. The session names them in its log.
     """
-    cache = Path(session.create_tmp()).resolve() / "pytest"
+    # Not in nox's own folder for temporary files, which would become that of the tests too.
+    cache = Path(session.virtualenv.location).resolve() / "pytest"
     shutil.rmtree(cache, ignore_errors=True)
     command = ["pytest", "-q", "-o", f"cache_dir={cache}", *options, folder, *session.posargs]
     processors = max(2, os.cpu_count() or 1)

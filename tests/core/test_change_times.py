@@ -124,6 +124,14 @@ def test_without_a_callback_of_the_program_it_is_refused_too() -> None:
     node.destroy_node()
 
 
+def test_the_limit_is_of_the_name_that_is_declared() -> None:
+    node = LifecycleNode(backend=virtual_backend())
+    node.declare_parameter("port", "x", SPECS[2])
+    node.trigger_configure()
+    assert node.set_parameter("port", "y").reason.startswith("parameter port cannot be set")
+    node.destroy_node()
+
+
 def test_a_node_without_a_lifecycle_cannot_limit_when_a_parameter_changes() -> None:
     node = BaseNode(backend=virtual_backend())
     said = "^parameter device has change_time 'unconfigured', which only a lifecycle node can have$"

@@ -228,7 +228,7 @@ class ForgetsEarlyCalls(ChangedServices):
 @breaks("late-answers-are-dropped-and-counted")
 class CountsNoLateAnswers(ChangedServices):
     def change_client(self, client: Any) -> None:
-        client._count_late = lambda: None
+        client.count_late = lambda: None
 
 
 class CannotCancel:

@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
+from attrs import evolve
+
 from rosbase.contracts.backend import Publisher
 from rosbase.contracts.parameter_store import OnSetParameters, refused
 from rosbase.errors import ServiceStoppedError, TransitionNotAvailableError
@@ -134,7 +136,7 @@ class LifecycleNode(BaseNode):
             if not self._limited:
                 # Before it can be set.
                 super().add_on_set_parameters_callback(self._judge_times)
-            self._limited[spec.name] = spec
+            self._limited[name] = evolve(spec, name=name)
         return super().declare_parameter(name, value, spec)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
