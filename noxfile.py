@@ -81,7 +81,13 @@ TOOLS_PYTHON = next((version for version in PYTHONS if version != "3.10"), PYTHO
 # With all of them, `nox` alone would take too long. Others run by name, as `nox -s ros2-3.12`.
 ENDS = sorted({PYTHONS[0], PYTHONS[-1]}, key=PYTHONS.index)
 nox.options.sessions = [
-    "tests",
+    *(f"tests-{python}(distribution='rosbase-core')" for python in PYTHONS),
+    *(
+        f"tests-{python}(distribution={name!r})"
+        for name in DISTRIBUTIONS
+        if name != "rosbase-core"
+        for python in ENDS
+    ),
     *(f"{name}-{python}" for name in ("ros2", "integration") for python in ENDS),
     *(f"{name}-{TOOLS_PYTHON}" for name in ("authors", "docs", "colcon", "messages")),
     *("lint", "typing", "imports", "demo", "build"),
