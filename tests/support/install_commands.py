@@ -13,7 +13,11 @@ __all__ = ["commands_of_pages", "commands_of_sources", "from_an_index", "texts_o
 _COMMAND = re.compile(r"pip install(?: (?:'[^']+'|[-./\w]*[\w/]))+")
 _INLINE = re.compile(r"`(pip install [^`]+)`")
 # What may stand for the values in an f-string, by their names; for any other, nothing does.
-_VALUES = {"name": ["imu-serial"], "package": ["imu-mqtt", "imu-serial", "rosbase-ros2"]}
+_VALUES = {
+    "name": ["imu-serial"],
+    "package": ["imu-mqtt", "imu-serial", "rosbase-ros2"],
+    "wheel": ["ros-jazzy-nav-msgs", "ros-jazzy-std-srvs", "ros-jazzy-visualization-msgs"],
+}
 
 
 def commands_of_pages() -> dict[str, list[str]]:

@@ -74,9 +74,10 @@ def ros_class(name: str, msg_type: type) -> Any:
     try:
         module = import_module(f"{package}.{kind}")
     except ModuleNotFoundError:
+        wheel = f"ros-jazzy-{package.replace('_', '-')}"
         raise TypeError(
             f"{msg_type.__name__} is {name} in ROS, and {package} is not installed:"
-            f" pip install ros-jazzy-{package.replace('_', '-')}, or source a workspace that has it"
+            f" pip install {wheel}, or source a workspace that has it"
         ) from None
     found = getattr(module, own, None)
     if found is None:
