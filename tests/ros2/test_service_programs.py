@@ -14,6 +14,7 @@ from rosbase.messages.std_srvs import SetBool
 from rosbase_ros2.backend import Ros2Backend
 from support.program import running
 from support.ros import TIMEOUT_S
+from support.waiting import wait_until
 
 PLAIN_SERVER = """
     import warnings
@@ -94,8 +95,8 @@ def ask_a_thousand_times(asker: type[Asker]) -> None:
         after - before > math.ceil(took_s / PERIOD_S - 0.5)
         for took_s, (before, after) in zip(handlers.took_s, pairwise(handlers.skipped), strict=True)
     )
-    # The machine may stall.
-    assert without_cause <= 100
+    # The machine may stall. At rest, there are none.
+    assert without_cause <= 20
 
 
 def test_a_thousand_calls_of_the_same_manager_are_answered() -> None:
@@ -156,7 +157,9 @@ def test_two_managers_in_two_processes_that_call_each_other_get_answers(
 ) -> None:
     monkeypatch.setenv("ROSBASE_BACKEND", "ros2")
     with running(tmp_path, MUTUAL, "a", "b") as a, running(tmp_path, MUTUAL, "b", "a") as b:
-        for program in (a, b):
+        # The first that ends comes first: if one fails, the other waits for it in vain.
+        wait_until(lambda: {a.process.poll(), b.process.poll()} != {None}, "an end", 40.0)
+        for program in sorted((a, b), key=lambda one: one.process.poll() is None):
             status, out, err = program.end()
             assert (status, out) == (0, "answered\n"), err
 
