@@ -190,6 +190,8 @@ if TYPE_CHECKING:
     from rosbase.roles.lifecycle_node import (
         Autostart,
         LifecycleNode,
+    )
+    from rosbase.roles.lifecycle_publisher import (
         LifecyclePublisher,
     )
     from rosbase.roles.node import (
@@ -406,7 +408,7 @@ _HOMES = {
     "ImuSimulator": "rosbase.imu.simulator",
     "Latest": "rosbase.roles.latest",
     "LifecycleNode": "rosbase.roles.lifecycle_node",
-    "LifecyclePublisher": "rosbase.roles.lifecycle_node",
+    "LifecyclePublisher": "rosbase.roles.lifecycle_publisher",
     "LineFramer": "rosbase.framing",
     "LocalBackend": "rosbase.local",
     "LogOptions": "rosbase.logger",

@@ -16,7 +16,7 @@ from rosbase.messages import (
     Time,
     Vector3,
 )
-from rosbase.roles.lifecycle_node import LifecyclePublisher
+from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 
 __all__ = ["VARYING", "Outlet", "Publishers"]
 

@@ -20,7 +20,8 @@ from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameter
 from rosbase.lifecycle import CallbackReturn, State
 from rosbase.parameters import Parameter, ParameterValue, SetParametersResult
 from rosbase.plugins import PluginRegistry, installed_plugins
-from rosbase.roles.lifecycle_node import LifecycleNode, LifecyclePublisher
+from rosbase.roles.lifecycle_node import LifecycleNode
+from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 from rosbase.runtime.executor import ExecutorTimer
 
 __all__ = ["DEFAULT_NODE_NAME", "ImuReader"]

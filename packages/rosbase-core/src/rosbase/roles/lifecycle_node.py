@@ -1,64 +1,32 @@
 """A node with the managed lifecycle of ROS 2."""
 
-import threading
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
+from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
 
 from attrs import evolve
 
 from rosbase.contracts.backend import Publisher
 from rosbase.contracts.parameter_store import OnSetParameters, refused
-from rosbase.errors import ServiceStoppedError, TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, Transition, TransitionEvent
 from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
 from rosbase.roles.change_times import refusal
 from rosbase.roles.context import ManagerContext, must_call_base
+from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 from rosbase.roles.node import BaseNode
+from rosbase.roles.transitions import Transitions
 
-__all__ = ["Autostart", "LifecycleNode", "LifecyclePublisher"]
+__all__ = ["Autostart", "LifecycleNode"]
 
 Autostart: TypeAlias = Literal["none", "configure", "activate"]
 """How far a manager brings a lifecycle node up by itself."""
 
 MessageT = TypeVar("MessageT")
 ValueT = TypeVar("ValueT", bound=ParameterValue)
-MessageT_contra = TypeVar("MessageT_contra", contravariant=True)
 
 _TRANSITION_PATIENCE_S = 5.0
-
-
-class LifecyclePublisher(Generic[MessageT_contra]):
-    """A publisher that sends only while its node is active."""
-
-    __slots__ = ("_publisher", "_send", "is_enabled")
-
-    def __init__(self, publisher: Publisher[MessageT_contra]) -> None:
-        self._publisher = publisher
-        self._send = publisher.publish
-        self.is_enabled = False
-        """Whether the node is active."""
-
-    @property
-    def topic(self) -> str:
-        """Full name of the topic."""
-        return self._publisher.topic
-
-    @property
-    def inner(self) -> Publisher[MessageT_contra]:
-        """Publisher of the backend."""
-        return self._publisher
-
-    def publish(self, message: MessageT_contra) -> bool:
-        """Hand the message on if the node is active; return whether it was sent.
-
-        Raises:
-            TypeError: See `rosbase.Publisher.publish`.
-            ValueError: See `rosbase.Publisher.publish`.
-        """
-        return self.is_enabled and self._send(message) is not False
 
 
 class LifecycleNode(BaseNode):
@@ -92,12 +60,10 @@ class LifecycleNode(BaseNode):
         the text given to `raise_error`.
         """
         self._machine = Machine()
-        self._transition_lock = threading.Lock()
-        self._transition_thread: int | None = None
-        self._transition_since_ns: int | None = None
+        self._transitions = Transitions(self, self._machine, self._backend.clock)
         self._gated: list[LifecyclePublisher[Any]] = []
-        self._interrupt: BaseException | None = None
-        self._listeners: list[Callable[[TransitionEvent], object]] = []
+        # The first one, so that others find the publishers as they are in the new state.
+        self._transitions.add_listener(self._gate)
         self._connection.expose_lifecycle(self)
 
     # What users override.
@@ -156,11 +122,7 @@ class LifecycleNode(BaseNode):
 
     def describe_transition(self) -> str:
         """Say which transition runs, such as `busy: configuring since 3 s`; empty if none does."""
-        since_ns = self._transition_since_ns
-        if since_ns is None:
-            return ""
-        seconds = (self._backend.clock.monotonic_ns() - since_ns) / 1e9
-        return f"busy: {self._machine.state.label} since {seconds:.0f} s"
+        return self._transitions.describe()
 
     def get_available_transitions(self) -> tuple[Transition, ...]:
         """Return the transitions that start at the current state."""
@@ -168,7 +130,7 @@ class LifecycleNode(BaseNode):
 
     def add_transition_listener(self, listener: Callable[[TransitionEvent], object]) -> None:
         """Call `listener(event)` after each step, on the thread that takes it."""
-        self._listeners.append(listener)
+        self._transitions.add_listener(listener)
 
     def trigger_configure(self) -> CallbackReturn:
         """Run unconfigured -> inactive. Like all of these, return the result of the callback.
@@ -205,7 +167,7 @@ class LifecycleNode(BaseNode):
             TransitionNotAvailableError: It does not start at this state, or another one is
                 running.
         """
-        return self._drive(lambda: self._machine.request(transition_id, label))
+        return self._transitions.request(transition_id, label)
 
     def bring_up(self, stopping: Callable[[], object] = lambda: False) -> bool:
         """Bring the node as far as its `autostart` says; return whether it got there.
@@ -237,14 +199,9 @@ class LifecycleNode(BaseNode):
         Every step is attempted. An exception that ends the program is raised at the end. A
         transition that runs on another thread has a few seconds to finish first.
         """
-        if self._transition_thread != threading.get_ident():
-            if self._transition_lock.acquire(timeout=_TRANSITION_PATIENCE_S):
-                self._transition_lock.release()
-            else:
-                label = self._machine.state.label
-                self.logger.error(
-                    f"{self._label} is still {label} after {_TRANSITION_PATIENCE_S:g} s"
-                )
+        if not self._transitions.wait_for_others(_TRANSITION_PATIENCE_S):
+            label = self._machine.state.label
+            self.logger.error(f"{self._label} is still {label} after {_TRANSITION_PATIENCE_S:g} s")
         steps = ((State.ACTIVE, "deactivate"), (State.INACTIVE, "cleanup"))
         failure: BaseException | None = None
         for state, label in (*steps, (None, "shutdown")):
@@ -267,15 +224,7 @@ class LifecycleNode(BaseNode):
         Raises:
             TransitionNotAvailableError: The node is finalized, or a transition is running.
         """
-
-        def begin() -> TransitionEvent:
-            previous = self._machine.state
-            event = self._machine.raise_error()
-            self.last_error = error
-            self.logger.error(f"{self._prefix}error in {previous.label}: {_described(error)}")
-            return event
-
-        return self._drive(begin)
+        return self._transitions.raise_error(error)
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile = 10
@@ -295,11 +244,11 @@ class LifecycleNode(BaseNode):
             publisher = publisher.inner
         super().destroy_publisher(publisher)
 
-    # How a lone node and a transition run.
+    # What goes with the state, and how a lone node runs.
 
     def _judge_times(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Refuse the change of a parameter that may not change in the current state."""
-        if self._transition_thread == threading.get_ident():
+        if self._transitions.is_on_this_thread:
             # A callback of the transition sets what it has found.
             return SetParametersResult(successful=True)
         for parameter in parameters:
@@ -309,6 +258,12 @@ class LifecycleNode(BaseNode):
             if reason := self.describe_transition() or refusal(spec, self.get_state()):
                 return refused(reason)
         return SetParametersResult(successful=True)
+
+    def _gate(self, event: TransitionEvent) -> None:
+        """Let the publishers send while the node is active."""
+        is_active = event.goal is State.ACTIVE
+        for publisher in self._gated:
+            publisher.is_enabled = is_active
 
     def _repr_parts(self) -> list[str]:
         is_ready = hasattr(self, "_machine")
@@ -335,74 +290,3 @@ class LifecycleNode(BaseNode):
         is_managers = self.manager is not None and self.logger is self.manager.logger
         is_named = is_managers and self._connection is not self._backend
         return f"{self._label}: " if is_named else ""
-
-    def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
-        if not self._transition_lock.acquire(blocking=False):
-            raise TransitionNotAvailableError(self.describe_transition() or "busy")
-        self._transition_thread = threading.get_ident()
-        self._transition_since_ns = self._backend.clock.monotonic_ns()
-        # What ends the program is passed on once the machine has come to rest.
-        self._interrupt = None
-        known_error = self.last_error
-        try:
-            event = begin()
-            self._note(event)
-            answer = self._call_back()
-            self._note(self._machine.finish(answer))
-            if answer is CallbackReturn.FAILURE:
-                reason = self._reason(known_error)
-                state = self._machine.state.label
-                self.logger.error(
-                    f"{self._prefix}{event.transition.label} failed, now {state}: {reason}"
-                )
-            if self._machine.state is State.ERRORPROCESSING:
-                self._note(self._machine.finish(self._call_back()))
-            interrupt = self._interrupt
-        finally:
-            self._transition_thread = self._transition_since_ns = None
-            self._transition_lock.release()
-        if interrupt is not None:
-            raise interrupt
-        return answer
-
-    def _call_back(self) -> CallbackReturn:
-        """Run the callback of the current state; return its result."""
-        name, known_error = CALLBACKS[self._machine.state], self.last_error
-        try:
-            answer = getattr(self, name)(self._machine.previous_state)
-        except BaseException as error:
-            self.last_error = error
-            self._report(name, error)
-            return CallbackReturn.ERROR
-        if answer is CallbackReturn.ERROR:
-            self.logger.error(f"{self._prefix}{name} answered ERROR: {self._reason(known_error)}")
-        if isinstance(answer, CallbackReturn):
-            return answer
-        self.last_error = TypeError(f"{name} must return a CallbackReturn, not {answer!r}")
-        self.logger.error(f"{self._prefix}{self.last_error}")
-        return CallbackReturn.ERROR
-
-    def _reason(self, known_error: BaseException | None) -> object:
-        """Return the reason that a callback left in `last_error`."""
-        is_new = self.last_error is not known_error and self.last_error is not None
-        return self.last_error if is_new else "no reason (set last_error to give one)"
-
-    def _note(self, event: TransitionEvent) -> None:
-        is_active = event.goal is State.ACTIVE
-        for publisher in self._gated:
-            publisher.is_enabled = is_active
-        for listener in self._listeners:
-            try:
-                listener(event)
-            except BaseException as error:
-                self._report("a transition listener", error)
-
-    def _report(self, who: str, error: BaseException) -> None:
-        if isinstance(error, Exception) and not isinstance(error, ServiceStoppedError):
-            self.logger.error(f"{self._prefix}{who} raised {_described(error)}", exc_info=error)
-        else:
-            self._interrupt = self._interrupt or error
-
-
-def _described(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"
