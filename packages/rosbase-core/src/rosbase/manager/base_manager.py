@@ -1,20 +1,21 @@
 """The manager: owns everything in one process, and connects the roles."""
 
-import inspect
 import threading
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
-from rosbase.errors import HandshakeTimeoutError
 from rosbase.lifecycle import State
 from rosbase.logger import RosbaseLogger
 from rosbase.manager.bringup import bring_up, take_down
-from rosbase.manager.building import build, lacks_its_base
+from rosbase.manager.building import Builder
 from rosbase.manager.clock_watch import ClockWatch
+from rosbase.manager.frequency_log import FrequencyLog
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
 from rosbase.manager.precise_loop import run_precise_loop
+from rosbase.manager.state_switch import StateSwitch
+from rosbase.manager.unrun import UnrunWork
 from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.processes import (
     ChildProcesses,
@@ -23,10 +24,10 @@ from rosbase.processes import (
     shutdown_unclaimed,
 )
 from rosbase.roles.agent import BaseAgent
-from rosbase.roles.callables import check_answer, check_methods, describe_unrun
+from rosbase.roles.callables import check_answer, check_methods
 from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
-from rosbase.roles.context import Component, must_call_base
+from rosbase.roles.context import must_call_base
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
@@ -43,13 +44,8 @@ __all__ = ["BaseManager", "register_multiprocess_nodes", "shutdown_multiprocess_
 NodeT = TypeVar("NodeT", bound=BaseNode)
 AgentT = TypeVar("AgentT", bound=BaseAgent)
 
-_HANDSHAKE_SLICE_NS = 100_000_000
-# Most waits are over before anybody wonders.
-_FIRST_REPORT_S = 1.0
 # In virtual time a minute takes no time, and a test should not wait for ever.
 _VIRTUAL_HANDSHAKE_S = 60.0
-_PENDING_REPORT_S = 5.0
-_LOG_FREQ_NS = 1_000_000_000
 # Neither async nor generators.
 _PLAIN_METHODS = (
     "init_custom_variables",
@@ -219,9 +215,9 @@ class BaseManager(Constructed):
         self._handshake = Handshake(self.logger)
         self._handshake_timeout_s = handshake_timeout
         self._log_freq = log_freq
+        self._frequency_log: FrequencyLog | None = None
         # A virtual clock stands still while somebody spins, and needs no spinning.
         self._run_loop = _TIMINGS["normal" if self.backend.is_in_virtual_time else timing]
-        self._frequency_mark: tuple[int, int] | None = None
         self._processes: ChildProcesses | None = None
         self._stop_requests: list[bool] = []
         # Asked twice in each tick, so it is not a function in Python.
@@ -231,10 +227,8 @@ class BaseManager(Constructed):
         self._may_switch = True
         # Whether `update_timestamp` is the one below; known at the start.
         self._counts_plainly = False
-        # Whether `state_handle` takes what the switch gave; looked up when it is first called.
-        self._hands_switch_over: bool | None = None
-        # Methods that have returned work which nobody runs; each is reported once.
-        self._unrun: set[str] = set()
+        self._unrun = UnrunWork(self.logger)
+        self._state_switch = StateSwitch(self, self._unrun)
         # Whether a node may still declare parameters when it is configured.
         self._undeclared_later = False
         self._is_initialised = True
@@ -251,25 +245,15 @@ class BaseManager(Constructed):
         components = [*(nodes_dict or {}).values(), *(agents_dict or {}).values(), handlers_class]
         warn_of_untaken(kwargs, [type(self), *components], BaseManager, self.logger.warning)
 
-        def build_one(component: Any, where: str, key: str, others: tuple[str, ...]) -> Any:
-            self._registration.begin(key, component)
-            built = build(component, where, self, args, kwargs)
-            self._registration.end()
-            if lack := lacks_its_base(built):
-                self.logger.warning(lack)
-            # Again, because a constructor may have put another function in its place.
-            methods = built._plain_methods if isinstance(built, Component) else others
-            check_methods(built, methods)
-            return built
-
+        builder = Builder(self, self._registration, self.logger, args, kwargs)
         for name, node_class in (nodes_dict or {}).items():
-            self.nodes[name] = build_one(
-                node_class, f"nodes_dict[{name!r}]", name, ("release_resources",)
-            )
+            where = f"nodes_dict[{name!r}]"
+            self.nodes[name] = builder.build(node_class, where, name, ("release_resources",))
         for name, agent_class in (agents_dict or {}).items():
-            self.agents[name] = build_one(agent_class, f"agents_dict[{name!r}]", name, ("reset",))
+            where = f"agents_dict[{name!r}]"
+            self.agents[name] = builder.build(agent_class, where, name, ("reset",))
         if handlers_class is not None:
-            self.handlers = build_one(handlers_class, "handlers_class", "", ("handle",))
+            self.handlers = builder.build(handlers_class, "handlers_class", "", ("handle",))
 
     # What users override.
 
@@ -283,12 +267,12 @@ class BaseManager(Constructed):
     def main_loop(self) -> None:
         """Run one tick. Override it to change the order of the calls."""
         if self._may_switch:
-            self._switch_state()
+            self._state_switch.step()
         handlers = self.handlers
         if handlers is not None:
             answer = handlers.handle()  # type: ignore[func-returns-value]  # as declared
             if answer is not None:
-                self._report_unrun(handlers, "handle", answer)
+                self._unrun.report(handlers, "handle", answer)
         if self._counts_plainly:
             self.timestamp += 1
         else:
@@ -353,7 +337,7 @@ class BaseManager(Constructed):
         if self._has_started:
             raise RuntimeError("a manager runs once; make a new one")
         self._has_started = True
-        self._may_switch = not (self.get_state_switch is None and self.state_handle is None)
+        self._may_switch = self._state_switch.is_used
         self._counts_plainly = (
             getattr(self.update_timestamp, "__func__", None) is BaseManager.update_timestamp
         )
@@ -376,7 +360,7 @@ class BaseManager(Constructed):
             self._wait_for_handshake()
             bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
             self._name_undeclared()
-            self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
+            self._watch_time()
             self._run_loop(
                 self.backend.executor,
                 self.node_freq_hz,
@@ -431,48 +415,16 @@ class BaseManager(Constructed):
         for line in given_parameters().unused([*later, *(self._processes or ())]):
             self.logger.warning(line)
 
-    def _switch_state(self) -> None:
-        switch = self.get_state_switch() if self.get_state_switch is not None else None
-        if switch is not None:
-            check_answer(switch, f"{type(self).__name__}.get_state_switch")
-            self.state = switch
-        if self.state_handle is None:
-            return
-        if self._hands_switch_over is None:
-            self._hands_switch_over = _takes_an_argument(self.state_handle)
-        answer = self.state_handle(switch) if self._hands_switch_over else self.state_handle()
-        if answer is not None:
-            self._report_unrun(self, "state_handle", answer)
-
-    def _report_unrun(self, of: object, name: str, answer: object) -> None:
-        """Log once that a method returned work which nobody runs."""
-        what = f"{type(of).__name__}.{name}"
-        text = describe_unrun(answer, what)
-        if text and what not in self._unrun:
-            self._unrun.add(what)
-            self.logger.error(text)
-
     def _lifecycle_nodes(self) -> list[LifecycleNode]:
         return [node for node in self.nodes.values() if isinstance(node, LifecycleNode)]
 
     def _wait_for_handshake(self) -> None:
-        clock = self.backend.clock
-        start_ns = clock.monotonic_ns()
         timeout_s = self._handshake_timeout_s
         if timeout_s is None and self.backend.is_in_virtual_time:
             timeout_s = _VIRTUAL_HANDSHAKE_S
-        while not self._stop_requests and self._is_pending():
-            pending = ", ".join(self._handshake.pending) or "the manager's own handshake"
-            waited_s = (clock.monotonic_ns() - start_ns) / 1e9
-            if timeout_s is not None and waited_s >= timeout_s:
-                later = self._not_active_yet()
-                raise HandshakeTimeoutError(
-                    f"after {waited_s:.1f} s still waiting for: {pending}{later}"
-                )
-            if waited_s >= _FIRST_REPORT_S:
-                later = self._not_active_yet()
-                self.logger.log_throttle(f"waiting for: {pending}{later}", _PENDING_REPORT_S)
-            self.backend.spin_until(clock.monotonic_ns() + _HANDSHAKE_SLICE_NS, self._is_stopping)
+        self._handshake.wait(
+            self.backend, self._is_pending, self._is_stopping, timeout_s, self._not_active_yet
+        )
 
     def _is_pending(self) -> bool:
         answer = self.handshake()
@@ -484,22 +436,18 @@ class BaseManager(Constructed):
         names = ", ".join(node._label for node in self._lifecycle_nodes())
         return f" (brought up only after the handshake: {names})" if names else ""
 
+    def _watch_time(self) -> None:
+        self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
+        if self._log_freq:
+            self._frequency_log = FrequencyLog(self.backend.clock, self.loop_stats, self.logger)
+
     def _look_after(self) -> None:
         self.loop_stats.digest_if_many()
         if self._undeclared_later:
             self._name_undeclared()
         self._clock_watch.check()
-        if self._log_freq:
-            self._report_frequency()
-
-    def _report_frequency(self) -> None:
-        now_ns, ticks = self.backend.clock.monotonic_ns(), self.loop_stats.ticks
-        since_ns, before = self._frequency_mark or (now_ns, ticks)
-        if self._frequency_mark is None or now_ns - since_ns >= _LOG_FREQ_NS:
-            if ticks > before:
-                rate_hz = (ticks - before) * 1e9 / (now_ns - since_ns)
-                self.logger.info(f"main loop: {rate_hz:.1f} Hz")
-            self._frequency_mark = (now_ns, ticks)
+        if self._frequency_log is not None:
+            self._frequency_log.check()
 
     def _shut_down(
         self, processes: ChildProcesses | None, stop: StopSignals | None
@@ -531,11 +479,6 @@ _SET_BY_CONSTRUCTOR = {
 
 def _is_duration(value: object) -> bool:
     return isinstance(value, (int, float)) and value >= 0
-
-
-def _takes_an_argument(function: Callable[..., object]) -> bool:
-    kinds = {parameter.kind for parameter in inspect.signature(function).parameters.values()}
-    return bool(kinds - {inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.VAR_KEYWORD})
 
 
 def _nothing() -> None:
