@@ -28,7 +28,6 @@ Open: TypeAlias = Callable[..., Ros2Backend]
 """Opens a backend, given arguments for ROS and options."""
 
 TIMEOUT_S = 20.0
-ATTEMPTS = 10
 
 
 def isolate(log_dir: Path) -> None:
@@ -194,18 +193,8 @@ class Client:
         return bool(self.finish(self.start_change(transition_id, label)).success)
 
     def state(self) -> str:
-        """The label of the present state.
-
-        Asks again when there is no answer: the first may be lost, where the server has not found
-        the client yet though the client has found the server.
-        """
-        answer = self.start("get_state")
-        for _ in range(ATTEMPTS):
-            self.executor.spin_until_future_complete(answer, TIMEOUT_S / ATTEMPTS)
-            if answer.done():
-                break
-            answer = self.start("get_state")
-        return str(self.finish(answer).current_state.label)
+        """The label of the present state."""
+        return str(self.call("get_state").current_state.label)
 
     def await_events(self, count: int) -> list[tuple[int, str, str, str]]:
         """The first so many events, each as id, label, start and goal."""

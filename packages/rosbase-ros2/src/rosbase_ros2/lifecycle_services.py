@@ -28,11 +28,12 @@ from rosbase import (
 from rosbase.lifecycle import TRANSITIONS, Transition
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.refusals import RCLError, Refusals
-from rosbase_ros2.shared_node import OwnGroup
+from rosbase_ros2.shared_node import OwnGroup, ServiceGroup
 
 __all__ = ["LifecycleServices"]
 
 _EVENT_DEPTH = 10
+_LOG_S = 1.0
 
 
 class LifecycleServices:
@@ -92,7 +93,7 @@ class LifecycleServices:
 
     def _create_services(self) -> None:
         # A reentrant one: else no other service would be answered while change_state waits.
-        group = OwnGroup()
+        group = ServiceGroup(self._warn)
         callbacks = (
             ("change_state", srv.ChangeState, self._change_state),
             ("get_state", srv.GetState, self._get_state),
@@ -193,6 +194,9 @@ class LifecycleServices:
             self._events.publish(message)
         except RCLError as error:
             self._refusals.judge("~/transition_event", error)
+
+    def _warn(self, what: str) -> None:
+        self._logger.log_throttle(what, _LOG_S, "warning")
 
     def _log_error(self, who: str, error: Exception) -> None:
         self._logger.error(f"{who} raised {type(error).__name__}: {error}")

@@ -21,16 +21,17 @@ class Refusals:
         """Take the rclpy context of the publishers, and the logger."""
         self._context = context
         self._logger = logger
-        # The machine's, which DDS looks at, and not that of a simulation.
-        self._clock = SystemClock()
 
-    def explain(self, error: Exception) -> str:
+    @staticmethod
+    def explain(error: Exception) -> str:
         """Return the fault of the date for which the middleware may have refused; empty if none."""
-        return date_fault(self._clock.now_ns()) if isinstance(error, RCLError) else ""
+        # The machine's date, which DDS looks at, and not that of a simulation.
+        return date_fault(SystemClock().now_ns()) if isinstance(error, RCLError) else ""
 
-    def reason(self, error: Exception) -> str:
+    @staticmethod
+    def reason(error: Exception) -> str:
         """Return in one line why the middleware has refused."""
-        return self.explain(error) or one_line(str(error))
+        return Refusals.explain(error) or one_line(str(error))
 
     def judge(self, topic: str, error: Exception) -> bool:
         """Return False, for a message that is lost although the program did nothing wrong.

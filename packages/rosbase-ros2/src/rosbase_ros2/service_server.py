@@ -9,28 +9,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from rclpy.exceptions import InvalidHandle
-
-from rosbase import (
-    Executor,
-    RosbaseLogger,
-    ServiceError,
-    ServiceServer,
-    SystemClock,
-    background_thread,
-)
-from rosbase_ros2.refusals import RCLError, Refusals
+from rosbase import Executor, RosbaseLogger, ServiceError, ServiceServer
 from rosbase_ros2.service_courier import ServiceCourier
-from rosbase_ros2.shared_node import OwnGroup
+from rosbase_ros2.shared_node import ServiceGroup
 
 __all__ = ["Received", "RosService"]
 
 _LOG_S = 1.0
-# rmw waits 100 ms for a client whose end for answers it has not discovered, and then drops the
-# answer; rclpy only warns of that. Discovery may take some 3 s.
-_LONG_NS = 90_000_000
-_PATIENCE_NS = 5_000_000_000
-_PAUSE_S = 0.05
 
 
 class RosService(ServiceServer):
@@ -43,7 +28,6 @@ class RosService(ServiceServer):
         answer: Callable[[Any], Any],
         executor: Executor,
         logger: RosbaseLogger,
-        refusals: Refusals,
     ) -> None:
         """Prepare a service.
 
@@ -53,16 +37,14 @@ class RosService(ServiceServer):
             answer: Answers a request of the program's class.
             executor: Runs it, on the main loop.
             logger: Logs requests that get no answer.
-            refusals: Says why the middleware does not take an answer.
         """
         to_ros, from_ros = courier.response.to_ros, courier.request.from_ros
         super().__init__(name, lambda request: to_ros(answer(from_ros(request))), executor, logger)
-        self._log, self._refusals = logger, refusals
-        self._clock = SystemClock()
+        self._log = logger
         self._send: Callable[[Any, Any], object] | None = None
         self.inner: Any = None
         """Service of rclpy."""
-        self.group = _Group(self._attach)
+        self.group = _Group(self._attach, self._warn)
         """Callback group for the service of rclpy."""
 
     @staticmethod
@@ -80,50 +62,23 @@ class RosService(ServiceServer):
 
     def _respond(self, header: Any, response: Any) -> None:
         """Send an answer, on the main loop."""
-        if not self._has_sent(header, response):
-            resend = partial(self._resend, header, response)
-            background_thread(resend, "rosbase-answer").start()
-
-    def _resend(self, header: Any, response: Any) -> None:
-        """Send an answer again until it has probably gone out; a client ignores the second."""
-        deadline_ns = self._clock.monotonic_ns() + _PATIENCE_NS
-        while self._clock.monotonic_ns() < deadline_ns:
-            self._clock.sleep(_PAUSE_S)
-            if self._has_sent(header, response):
-                return
-        self._warn("ROS did not send an answer: the client has not been discovered")
-
-    def _has_sent(self, header: Any, response: Any) -> bool:
-        """Send an answer; return False if it took so long that it was probably dropped."""
         assert self._send is not None
-        begin_ns = self._clock.monotonic_ns()
-        try:
-            self._send(response, header)
-        except InvalidHandle:
-            # It has been destroyed meanwhile.
-            return True
-        except RuntimeWarning:
-            # The warning of rclpy, where the program makes errors of warnings.
-            return False
-        except RCLError as error:
-            self._warn(f"ROS did not send an answer: {self._refusals.reason(error)}")
-            return True
-        return self._clock.monotonic_ns() - begin_ns < _LONG_NS
+        self._send(response, header)
 
     def _leave(self, error: ServiceError) -> None:
         # An exception of the callback is in the log already.
         if error.__cause__ is None:
-            self._warn(f"a request gets no answer: {error}")
+            self._warn(f"{self.service_name}: a request gets no answer: {error}")
 
     def _warn(self, what: str) -> None:
-        self._log.log_throttle(f"{self.service_name}: {what}", _LOG_S, "warning")
+        self._log.log_throttle(what, _LOG_S, "warning")
 
 
-class _Group(OwnGroup):
+class _Group(ServiceGroup):
     """Callback group of one service, which sees it before an executor does."""
 
-    def __init__(self, attach: Callable[[Any], object]) -> None:
-        super().__init__()
+    def __init__(self, attach: Callable[[Any], object], warn: Callable[[str], object]) -> None:
+        super().__init__(warn)
         self._attach = attach
 
     def add_entity(self, entity: Any) -> None:

@@ -93,7 +93,6 @@ class Services:
                 service_answer(srv_type, name, callback),
                 self._process.executor,
                 self._logger,
-                self._refusals,
             )
             self._node.create_service(
                 courier.ros_type,

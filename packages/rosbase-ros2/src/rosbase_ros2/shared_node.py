@@ -13,16 +13,36 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.service import Service
 from rclpy.time_source import TimeSource
 
+from rosbase_ros2.answers import Answers
 from rosbase_ros2.node_logger import LogListener, NodeLogger
 from rosbase_ros2.qos_warnings import warn_of_publishers, warn_of_subscriptions
 
-__all__ = ["EntityView", "OwnGroup", "SharedNode"]
+__all__ = ["EntityView", "OwnGroup", "ServiceGroup", "SharedNode"]
+
+_LOG_S = 1.0
 
 
 class OwnGroup(ReentrantCallbackGroup):  # type: ignore[misc]  # rclpy is Any
     """Callback group of what rosbase creates on its rclpy node."""
+
+
+class ServiceGroup(OwnGroup):
+    """Callback group of services whose answers are sent again if the middleware drops them."""
+
+    def __init__(self, warn: Callable[[str], object]) -> None:
+        """Take a function that is called with a line for each answer that was not sent."""
+        super().__init__()
+        self._warn = warn
+
+    def add_entity(self, entity: Any) -> None:
+        """Take an entity; a service has not been seen by an executor yet."""
+        super().add_entity(entity)
+        if isinstance(entity, Service):
+            answers = Answers(entity.send_response, entity.service_name, self._warn)
+            entity.send_response = answers.send
 
 
 class EntityView:
@@ -112,7 +132,8 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         """Everything that the program has created."""
         self.log_listeners: list[LogListener] = []
         """Called with each record of the node's logger."""
-        self._own_group = OwnGroup()
+        # For the services of rclpy itself, such as those of parameters.
+        self._own_group = ServiceGroup(self._warn)
         super().__init__(name, enable_rosout=False, **options)
         self._own_group = None
 
@@ -184,6 +205,9 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
             event_callbacks=events,
             **options,
         )
+
+    def _warn(self, what: str) -> None:
+        self.get_logger().warning(what, throttle_duration_sec=_LOG_S)
 
     def get_logger(self) -> Any:
         """Return the logger of the node."""

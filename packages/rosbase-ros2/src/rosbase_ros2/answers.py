@@ -1,0 +1,73 @@
+"""Send answers of services that the middleware may drop.
+
+rmw waits 100 ms for a client whose end for answers it has not discovered, and then drops the
+answer. rclpy only warns of that. Discovery may take some 3 s.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.exceptions import InvalidHandle
+
+from rosbase import SystemClock, background_thread
+from rosbase_ros2.refusals import RCLError, Refusals
+
+__all__ = ["Answers"]
+
+_LONG_NS = 90_000_000
+_PATIENCE_NS = 5_000_000_000
+_PAUSE_S = 0.05
+
+
+class Answers:
+    """Sends the answers of one service of rclpy, again if they were probably dropped."""
+
+    def __init__(
+        self, send: Callable[[Any, Any], object], name: str, warn: Callable[[str], object]
+    ) -> None:
+        """Prepare to send.
+
+        Args:
+            send: The method of rclpy's service that sends an answer.
+            name: Name of the service, for warnings.
+            warn: Called with a line for an answer that could not be sent, on any thread.
+        """
+        self._send = send
+        self._name = name
+        self._warn = warn
+        self._clock = SystemClock()
+
+    def send(self, response: Any, header: Any) -> None:
+        """Send an answer, now and if need be later; raise nothing that the middleware does."""
+        if not self._has_sent(response, header):
+            resend = partial(self._resend, response, header)
+            background_thread(resend, "rosbase-answer").start()
+
+    def _resend(self, response: Any, header: Any) -> None:
+        """Send an answer again until it has probably gone out; a client ignores the second."""
+        deadline_ns = self._clock.monotonic_ns() + _PATIENCE_NS
+        while self._clock.monotonic_ns() < deadline_ns:
+            self._clock.sleep(_PAUSE_S)
+            if self._has_sent(response, header):
+                return
+        self._say("the client has not been discovered")
+
+    def _has_sent(self, response: Any, header: Any) -> bool:
+        """Send an answer; return False if it took so long that it was probably dropped."""
+        begin_ns = self._clock.monotonic_ns()
+        try:
+            self._send(response, header)
+        except InvalidHandle:
+            # It has been destroyed meanwhile.
+            return True
+        except RuntimeWarning:
+            # The warning of rclpy, where the program makes errors of warnings.
+            return False
+        except RCLError as error:
+            self._say(Refusals.reason(error))
+            return True
+        return self._clock.monotonic_ns() - begin_ns < _LONG_NS
+
+    def _say(self, reason: str) -> None:
+        self._warn(f"{self._name}: ROS did not send an answer: {reason}")
