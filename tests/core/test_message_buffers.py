@@ -10,15 +10,24 @@ from typing import Annotated, Any
 
 import attrs
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosbase.messages import (
     Float32MultiArray,
     Float64MultiArray,
     Image,
     Int8MultiArray,
+    Int16MultiArray,
+    Int32MultiArray,
+    Int64MultiArray,
     LaserScan,
     OccupancyGrid,
     PointCloud2,
+    UInt8MultiArray,
+    UInt16MultiArray,
+    UInt32MultiArray,
+    UInt64MultiArray,
 )
 from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
@@ -138,16 +147,23 @@ CAN_BE_CHANGED = (
             read_only(np.zeros((4, 4), np.uint8)).T[1:],
             r"^data takes a contiguous buffer: use numpy\.ascontiguousarray\(\.\.\.\)$",
         ),
-        (Image, read_only(np.zeros(4)), r"^data takes numbers of the format 'B', not 'd'$"),
-        (Float32MultiArray, read_only(np.zeros(4)), r"^data takes numbers of the format 'f', not "),
+        (Image, read_only(np.zeros(4)), r"^data takes uint8 numbers, not those of the format 'd'"),
+        (Float32MultiArray, read_only(np.zeros(4)), r"^data takes float32 numbers, not "),
         (Float64MultiArray, b"12345678", r"^data takes numbers of another width than bytes have$"),
         (Int8MultiArray, b"1", r"^data takes numbers of another width than bytes have$"),
-        (OccupancyGrid, read_only(np.zeros(4, np.uint8)), r"^data takes numbers of the format 'b'"),
+        (OccupancyGrid, read_only(np.zeros(4, np.uint8)), r"^data takes int8 numbers, not "),
         (
             Float64MultiArray,
             read_only(np.zeros(4, ">f8")),
-            r"^data takes numbers of the format 'd'",
+            r"^data takes float64 numbers, not those of the format '>d'",
         ),
+        (
+            Int32MultiArray,
+            read_only(np.zeros(4, np.int64)),
+            r"^data takes int32 numbers, .* '[lq]': use array\.astype\(numpy\.int32\)$",
+        ),
+        (UInt32MultiArray, view(array("Q", (1, 2))), r"^data takes uint32 numbers, not "),
+        (Int64MultiArray, view(array("i", (1, 2))), r"^data takes int64 numbers, not "),
         (PointCloud2, [1, 2, 3], r"^data takes a tuple or a read-only buffer, not list$"),
         (PointCloud2, "text", r"^data takes a tuple or a read-only buffer, not str$"),
         (PointCloud2, None, r"^data takes a tuple or a read-only buffer, not NoneType$"),
@@ -158,6 +174,103 @@ def test_other_buffers_are_refused_with_the_cure(kind: Any, data: Any, error: st
         kind(data=data)
     with pytest.raises(TypeError, match=error):
         attrs.evolve(kind(), data=data)
+
+
+ARRAYS: list[Any] = [
+    *(Int8MultiArray, Int16MultiArray, Int32MultiArray, Int64MultiArray, Float32MultiArray),
+    *(UInt8MultiArray, UInt16MultiArray, UInt32MultiArray, UInt64MultiArray, Float64MultiArray),
+]
+FORMATS = [*"?bBhHiIlLqQefdgD", "<i4", ">i4", ">u8", ">f4", "S1", "U1", "O", "M8[s]"]
+
+
+@pytest.mark.parametrize("kind", ARRAYS, ids=lambda kind: str(kind.__name__))
+@given(form=st.sampled_from(FORMATS), numbers=st.lists(st.integers(0, 9), max_size=4))
+def test_an_array_of_other_numbers_is_refused_and_never_written_as_different_ones(
+    kind: Any, form: str, numbers: list[int]
+) -> None:
+    numbers_of_form = read_only(np.array(numbers, np.uint8).astype(form))
+    try:
+        sent = kind(data=numbers_of_form)
+    except TypeError as error:
+        assert "takes " in str(error)
+    else:
+        back = deserialize(serialize(sent), kind)
+        assert list(back.data) == numbers
+        assert back == sent
+
+
+@message("my_msgs/msg/Bare")
+@attrs.frozen
+class Bare:
+    data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = b""
+    other: float = attrs.field(default=0.0, eq=False)
+
+
+@message("my_msgs/msg/Switches")
+@attrs.frozen
+class Switches:
+    data: Annotated[ros.Buffer, ros.Numbers(ros.Width.BOOL)] = ros.numbers(ros.Width.BOOL)
+
+
+@message("my_msgs/msg/Ranges")
+@dataclass(frozen=True)
+class Ranges:
+    data: Annotated[ros.Buffer, ros.Numbers(ros.Width.FLOAT32), ros.Fixed(2)] = (0.0, 0.0)
+
+
+@pytest.mark.parametrize("kind", [Blob, Bare])
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: type(form).__name__)
+def test_a_buffer_of_a_dataclass_or_without_a_field_of_numbers_is_compared_by_its_bytes(
+    kind: Any, form: Any
+) -> None:
+    one = kind(form)
+    assert one.data is form
+    assert one == kind(PIXELS)
+    assert hash(one) == hash(kind(PIXELS))
+    assert deserialize(serialize(one), kind) == one
+    assert one != kind(PIXELS[1:])
+    assert one != Image(data=PIXELS)
+
+
+@pytest.mark.parametrize("kind", [Blob, Bare])
+def test_such_a_buffer_is_refused_if_it_can_be_changed(kind: Any) -> None:
+    for wrong in (bytearray(4), np.zeros(4, np.uint8), [1, 2]):
+        with pytest.raises(TypeError, match=r"^data takes a "):
+            kind(wrong)
+        with pytest.raises(TypeError, match=r"^data takes a "):
+            kind(data=wrong)
+    with pytest.raises(TypeError, match=r"^data takes uint16 numbers"):
+        Later(read_only(np.zeros(4)))
+    with pytest.raises(ValueError, match=r"^data takes 2 elements, not 3$"):
+        Ranges((1.0, 2.0, 3.0))
+    assert Ranges((1.0, 2.0)) == Ranges(read_only(np.array([1, 2], np.float32)))
+
+
+def test_fields_that_a_class_does_not_compare_stay_out_of_the_comparison() -> None:
+    assert Bare(b"1", 1.0) == Bare(b"1", 2.0)
+    assert Blob(b"1", "a") != Blob(b"1", "b")
+
+    @message("my_msgs/msg/Counted")
+    @dataclass(frozen=True)
+    class Counted:
+        data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = b""
+
+        def __eq__(self, other: object) -> bool:
+            return isinstance(other, Counted) and len(bytes(self.data)) == len(bytes(other.data))  # type: ignore[arg-type]
+
+        __hash__ = None  # type: ignore[assignment]
+
+    assert Counted(b"1") == Counted(b"2")
+
+
+@pytest.mark.parametrize(
+    "form", [(True, False), view(bytes((1, 0))).cast("?"), read_only(np.array([True, False]))]
+)
+def test_a_buffer_of_switches_is_equal_after_its_way_through_bytes(form: Any) -> None:
+    back = deserialize(serialize(Switches(form)), Switches)
+    assert back == Switches(form) == Switches((True, False))
+    assert hash(back) == hash(Switches(form))
+    assert back != Switches((True, True))
 
 
 def test_the_cures_work() -> None:

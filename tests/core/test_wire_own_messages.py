@@ -245,7 +245,14 @@ class MutableAttrs:
     x: float = 0.0
 
 
-@pytest.mark.parametrize("cls", [Mutable, MutableData, MutableAttrs, Pair, Color, int])
+@attrs.define
+class MutableHooked:
+    x: float = attrs.field(default=0.0, converter=float)
+
+
+@pytest.mark.parametrize(
+    "cls", [Mutable, MutableData, MutableAttrs, MutableHooked, Pair, Color, int]
+)
 def test_a_class_that_is_not_frozen_is_refused_with_the_cure(cls: type) -> None:
     cure = "make it a frozen attrs class or a frozen dataclass, below this decorator$"
     with pytest.raises(TypeError, match=rf"^{cls.__name__} .*; {cure}"):
@@ -253,10 +260,21 @@ def test_a_class_that_is_not_frozen_is_refused_with_the_cure(cls: type) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["", "Grip", "my_msgs/Grip", "my_msgs/msg/", "my_msgs/msg/a-b", "a/b/c", "a/msg/b/c"]
+    "name",
+    [
+        None,
+        int,
+        "",
+        "Grip",
+        "my_msgs/Grip",
+        "my_msgs/msg/",
+        "my_msgs/msg/a-b",
+        "a/b/c",
+        "a/msg/b/c",
+    ],
 )
-def test_a_name_of_another_form_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match=r"^a message is named like sensor_msgs/msg/Imu, not '"):
+def test_a_name_of_another_form_is_refused(name: Any) -> None:
+    with pytest.raises(ValueError, match=r"^a message is named like sensor_msgs/msg/Imu, not "):
         message(name)
 
 

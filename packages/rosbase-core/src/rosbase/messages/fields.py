@@ -5,14 +5,14 @@ annotations of its fields name the ROS types. Without a width, `float` is float6
 string and `bool` is bool; a tuple is a sequence, and a message class is a nested message.
 """
 
-from array import array
 from collections.abc import Callable
 from enum import Enum
-from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 from attrs import Attribute, field, frozen
 
-from rosbase.messages.pickling import make_picklable
+from rosbase.messages.buffers import Buffer, Fixed, Numbers, numbers, protect_buffers
+from rosbase.messages.widths import Width
 
 __all__ = [
     "AtMost",
@@ -38,58 +38,12 @@ __all__ = [
     "message",
     "numbers",
     "ros_type",
+    "sequence",
 ]
 
 ClassT = TypeVar("ClassT", bound=type)
 
 _ROS_TYPE = "__ros_type__"
-
-
-class Width(Enum):
-    """A primitive type of ROS; the value is its name in a .msg file."""
-
-    BOOL = "bool"
-    BYTE = "byte"
-    CHAR = "char"
-    FLOAT32 = "float32"
-    FLOAT64 = "float64"
-    INT8 = "int8"
-    INT16 = "int16"
-    INT32 = "int32"
-    INT64 = "int64"
-    UINT8 = "uint8"
-    UINT16 = "uint16"
-    UINT32 = "uint32"
-    UINT64 = "uint64"
-    STRING = "string"
-    WSTRING = "wstring"
-
-
-TYPECODES = {
-    Width.BOOL: "?",
-    Width.BYTE: "B",
-    Width.CHAR: "B",
-    Width.FLOAT32: "f",
-    Width.FLOAT64: "d",
-    Width.INT8: "b",
-    Width.INT16: "h",
-    Width.INT32: "i",
-    Width.INT64: "q",
-    Width.UINT8: "B",
-    Width.UINT16: "H",
-    Width.UINT32: "I",
-    Width.UINT64: "Q",
-}
-"""Code of each number in `struct`, `array` and `memoryview`."""
-
-_SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
-
-
-@frozen
-class Fixed:
-    """An array of that many elements; in the annotation of a tuple or a buffer."""
-
-    size: int
 
 
 @frozen
@@ -99,36 +53,8 @@ class AtMost:
     size: int
 
 
-@frozen
-class Numbers:
-    """A buffer of numbers of that width."""
-
-    width: Width
-
-
-class NumpyArray(Protocol):
-    """The part of a numpy array that rosbase uses; numpy need not be installed."""
-
-    @property
-    def dtype(self) -> Any:
-        """The type of its elements."""
-        ...
-
-    @property
-    def flags(self) -> Any:
-        """Whether it can be written to."""
-        ...
-
-    def tobytes(self) -> bytes:
-        """Return a copy of its data."""
-        ...
-
-
-Buffer: TypeAlias = bytes | memoryview | NumpyArray | tuple[Any, ...]
-"""Many numbers that nobody copies.
-
-They are bytes, a read-only memoryview, a read-only numpy array, or, for few numbers, a tuple.
-"""
+# The one of every frozen class of attrs.
+_REFUSE_TO_SET: object = AtMost.__setattr__
 
 Byte: TypeAlias = Annotated[int, Width.BYTE]
 Char: TypeAlias = Annotated[int, Width.CHAR]
@@ -155,8 +81,8 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
         ValueError: The name has another form.
         TypeError: An instance of the class can be changed.
     """
-    package, _, rest = name.partition("/")
-    kind, _, own = rest.partition("/")
+    parts = str(name).split("/")
+    package, kind, own = parts if len(parts) == 3 else ("", "", "")
     if not (package.isidentifier() and kind in ("msg", "srv", "action") and own.isidentifier()):
         raise ValueError(f"a message is named like sensor_msgs/msg/Imu, not {name!r}")
 
@@ -168,8 +94,7 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
                 " below this decorator"
             )
         setattr(cls, _ROS_TYPE, name)
-        if _may_have_buffers(cls):
-            make_picklable(cls)
+        protect_buffers(cls)
         # The file that a message of ours is in is nobody's business.
         home, _, file = cls.__module__.rpartition(".")
         if home.startswith("rosbase.messages.") and file.startswith("_"):
@@ -196,12 +121,13 @@ def ros_type(cls: Any) -> str | None:
 
 def is_frozen(cls: type) -> bool:
     """Return whether no attribute of an instance can be set: a frozen class, a tuple, a number."""
-    options = getattr(cls, "__dataclass_params__", None)
-    if options is not None:
-        return bool(options.frozen)
-    setter: Any = cls.__setattr__
-    if "__attrs_attrs__" in vars(cls):
-        return setter is not object.__setattr__
+    own = vars(cls)
+    if "__dataclass_params__" in own:
+        return bool(own["__dataclass_params__"].frozen)
+    if "__attrs_attrs__" in own:
+        # A class that can be changed has a method of its own too if a field has a hook.
+        setter: object = cls.__setattr__
+        return setter is _REFUSE_TO_SET
     return issubclass(cls, (tuple, str, bytes, int, float, Enum))
 
 
@@ -209,89 +135,50 @@ def _has_fields(cls: type) -> bool:
     return "__attrs_attrs__" in vars(cls) or "__dataclass_fields__" in vars(cls)
 
 
-def _may_have_buffers(cls: Any) -> bool:
-    """Return whether a field is a buffer, or is declared by a text that may say so."""
-    own = vars(cls)
-    declared = own.get("__attrs_attrs__") or own.get("__dataclass_fields__", {}).values()
-    hints = [one.type for one in declared]
-    return any(
-        isinstance(hint, str)
-        or any(isinstance(mark, Numbers) for mark in getattr(hint, "__metadata__", ()))
-        for hint in hints
-    )
+def fixed(size: int, value: Any = 0.0, *, octets: bool = False) -> Any:
+    """Return a field of exactly `size` elements, all `value` by default; see `sequence`."""
 
-
-def fixed(size: int, value: Any = 0.0) -> Any:
-    """Return a field of exactly `size` elements, all `value` by default."""
-
-    def check(instance: object, attribute: "Attribute[Any]", given: Any) -> None:
+    def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
+        if type(given) is not tuple:
+            given = _keep_as_tuple(instance, attribute.name, given, octets=octets)
         if len(given) != size:
             raise ValueError(f"{attribute.name} takes {size} elements, not {len(given)}")
 
     return field(default=(value,) * size, validator=check)
 
 
-def numbers(width: Width, size: int | None = None) -> Any:
-    """Return a field for a buffer of numbers of that width: any number of them, or `size`.
+def sequence(*, octets: bool = False) -> Any:
+    """Return a field for a tuple, empty by default.
 
-    A buffer that can be changed is refused, because a subscriber gets the same one. Two buffers
-    are equal if their bytes are, whatever object holds them.
+    A list or an array of one dimension becomes a tuple of Python's own numbers. Otherwise whoever
+    has made the list could change the message, and messages could not be compared.
+
+    Args:
+        octets: Whether bytes become one, too.
     """
-    typecode = TYPECODES[width]
-    allowed = _SAME_SIZE.get(typecode, typecode)
 
-    def check(instance: object, attribute: "Attribute[Any]", given: Any) -> None:
-        reason = _fault(given, allowed)
-        if not reason and size is not None and _count(given) != size:
-            reason = f"takes {size} elements, not {_count(given)}"
-        if reason:
-            raise (ValueError if "elements" in reason else TypeError)(f"{attribute.name} {reason}")
+    def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
+        if type(given) is not tuple:
+            _keep_as_tuple(instance, attribute.name, given, octets=octets)
 
-    def plain(value: Any) -> Any:
-        try:
-            return memoryview(
-                array(typecode, value) if isinstance(value, tuple) else value
-            ).tobytes()
-        except (TypeError, ValueError, OverflowError):
-            # It holds something else, and is only equal to the same.
-            return value
-
-    empty: Any = b"" if typecode == "B" else ()
-    default = empty if size is None else (0,) * size
-    return field(default=default, validator=check, eq=plain, repr=_shown)
+    return field(default=(), validator=check)
 
 
-def _fault(value: Any, allowed: str) -> str:
-    """Return why a value cannot be a buffer of numbers; empty if it can."""
-    if isinstance(value, (tuple, bytes)):
-        is_wrong = isinstance(value, bytes) and "B" not in allowed
-        return "takes numbers of another width than bytes have" if is_wrong else ""
-    try:
-        view = memoryview(value)
-    except TypeError:
-        return f"takes a tuple or a read-only buffer, not {type(value).__name__}"
-    if not view.readonly:
-        return (
-            "takes a buffer that nobody can change: use bytes(...), memoryview(...).toreadonly(),"
-            " or array.setflags(write=False) of numpy"
+def _keep_as_tuple(instance: Any, name: str, given: Any, *, octets: bool) -> tuple[Any, ...]:
+    """Set a field to the elements that it was given, and return them."""
+    if isinstance(given, (list, tuple)) or (octets and isinstance(given, (bytes, bytearray))):
+        elements = tuple(given)
+    elif hasattr(given, "tolist") and getattr(given, "ndim", 1) == 1:
+        elements = tuple(given.tolist())
+    else:
+        raise TypeError(
+            f"{name} takes a tuple, a list or an array of one dimension, not {_kind(given)}"
         )
-    if not view.c_contiguous:
-        return "takes a contiguous buffer: use numpy.ascontiguousarray(...)"
-    if view.format.lstrip("<=@") not in allowed:
-        return f"takes numbers of the format {allowed[-1]!r}, not {view.format!r}"
-    return ""
+    # Not by a converter: attrs before 24.1 does not tell it the name of the field.
+    object.__setattr__(instance, name, elements)
+    return elements
 
 
-def _count(value: Any) -> int:
-    if isinstance(value, (tuple, bytes)):
-        return len(value)
-    # The length of an array of several dimensions is that of the first.
-    view = memoryview(value)
-    return view.nbytes // view.itemsize
-
-
-def _shown(value: Any) -> str:
-    most = 16 if isinstance(value, tuple) else 64
-    if isinstance(value, (tuple, bytes)) and len(value) <= most:
-        return repr(value)
-    return f"<{_count(value)} elements>"
+def _kind(given: Any) -> str:
+    count = getattr(given, "ndim", 1)
+    return type(given).__name__ if count == 1 else f"one of {count} dimensions"

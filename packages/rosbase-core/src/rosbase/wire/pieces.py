@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rosbase.errors import WireError
+from rosbase.messages.widths import is_of
 
 __all__ = [
     "WIDE_SIZE",
@@ -22,7 +23,6 @@ __all__ = [
     "wide_text_of",
 ]
 
-_SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
 _TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = (b"", b"\0", b"\0\0", b"\0\0\0")
 WIDE_SIZE = 4
@@ -87,7 +87,7 @@ def packed(values: Any, code: str) -> tuple[Any, int]:
     if type(values) is bytes and code == "B":
         return values, len(values)
     view = memoryview(values)
-    if view.format.lstrip("<=@") not in _SAME_SIZE.get(code, code) or not view.c_contiguous:
+    if not (is_of(view, code) and view.c_contiguous):
         raise UnusualError
     # A view of no elements cannot be cast.
     return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize

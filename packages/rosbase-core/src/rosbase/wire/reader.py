@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from rosbase.errors import WireError
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.once import once_per_class
