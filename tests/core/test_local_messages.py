@@ -22,9 +22,46 @@ class Cell:
     number: int = 0
 
 
+@attrs.define
+class Hooked:
+    number: float = attrs.field(default=0.0, converter=float)
+
+
+@attrs.define
+class Validated:
+    number: int = attrs.field(default=0, validator=attrs.validators.ge(0))
+
+
+@attrs.define(on_setattr=attrs.setters.NO_OP)
+class OwnSetter:
+    number: int = 0
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+
+@attrs.frozen
+class Checked:
+    number: float = attrs.field(default=0.0, converter=float, validator=attrs.validators.ge(0))
+
+
+class Opened(Checked):
+    """As a subclass has attributes of its own, it can be changed."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+
 @dataclass(frozen=True)
 class FrozenRow:
     numbers: tuple[int, ...] = ()
+
+
+class OpenedRow(FrozenRow):
+    """A subclass without the decorator."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
 
 
 class Pair(NamedTuple):
@@ -58,7 +95,13 @@ def test_one_object_that_is_filled_and_published_again_arrives_as_it_was_each_ti
         (Row([1]), True),
         (Cell(1), True),
         (SimpleNamespace(x=1), True),
+        (Hooked(1), True),
+        (Validated(1), True),
+        (OwnSetter(1), True),
+        (Opened(1), True),
+        (OpenedRow((1,)), True),
         (FrozenRow((1,)), False),
+        (Checked(1), False),
         (Pair(1, 2), False),
         (Vector3(1.0), False),
         ("text", False),
