@@ -47,6 +47,11 @@ SENT = (
 PACKAGES = (*SENT, "rosgraph_msgs", "std_srvs", "lifecycle_msgs", "rcl_interfaces", "service_msgs")
 # Written by hand, because its messages can be computed with.
 BY_HAND = ("builtin_interfaces",)
+# Fields of them take those of ROS, too.
+TIMES = {
+    "builtin_interfaces/Time": "time_field",
+    "builtin_interfaces/Duration": "duration_field",
+}
 # Sequences of numbers with an element per joint, axis or cell: tuples instead of buffers.
 SHORT = {
     "sensor_msgs": {"BatteryState", "CameraInfo", "JointState", "Joy", "MultiDOFJointState"},
@@ -69,6 +74,7 @@ NUMBERS = {
 # rclpy does not say how wide a constant is, so it is read where ROS keeps its definitions.
 DEFINITIONS = Path(sys.prefix) / "share"
 CONSTANT = re.compile(r"(?P<type>[a-z]+\d*)\s+(?P<name>[A-Z]\w*)\s*=\s*(?P<value>[^#]+)")
+OCTETS = ("byte", "char", "uint8")
 TEXTS = {"string": "str", "wstring": "ros.WString"}
 TYPE = re.compile(
     r"(?P<form>sequence<)?(?P<element>[\w/]+?)(?:<(?P<text>\d+)>)?(?:, (?P<most>\d+)>|>)?"
@@ -217,6 +223,9 @@ class MessageFile:
             value = f"ros.fixed({size}, {self._empty(element)})"
         elif is_sequence:
             whole, value = self._sequence(of, element, annotation, most)
+        elif element in TIMES:
+            self.imports.add(("builtin_interfaces", TIMES[element]))
+            whole, value = annotation, f"{TIMES[element]}()"
         elif "/" in element:
             whole, value = annotation, f"{annotation}()"
         else:
@@ -235,10 +244,9 @@ class MessageFile:
             self.imports.add(("covariance", "Covariance"))
             return "Covariance", f"ros.fixed({size})"
         whole = f"Annotated[tuple[{annotation}, ...], ros.Fixed({size})]"
-        return (
-            whole,
-            f"ros.fixed({size})" if repr(value) == "0.0" else f"ros.fixed({size}, {value!r})",
-        )
+        arguments = [str(size), *([] if repr(value) == "0.0" else [repr(value)])]
+        arguments += ["octets=True"] if element in OCTETS else []
+        return whole, f"ros.fixed({', '.join(arguments)})"
 
     def _sequence(
         self, of: str, element: str, annotation: str, most: str | None
@@ -248,7 +256,8 @@ class MessageFile:
             width = f"ros.Width.{element.upper()}"
             return f"Annotated[ros.Buffer, ros.Numbers({width})]", f"ros.numbers({width})"
         plain = f"tuple[{annotation}, ...]"
-        return (f"Annotated[{plain}, ros.AtMost({most})]" if most else plain), "()"
+        whole = f"Annotated[{plain}, ros.AtMost({most})]" if most else plain
+        return whole, f"ros.sequence({'octets=True' if element in OCTETS else ''})"
 
     def _annotation(self, element: str, text_limit: str | None) -> str:
         if "/" not in element:

@@ -3,21 +3,10 @@
 import time
 from typing import Any
 
-from builtin_interfaces.msg import Time as RosTime
+from rosbase import SystemClock
+from rosbase.messages import Time
 
-from rosbase import SystemClock, messages
-
-__all__ = ["RosClock", "Time"]
-
-
-class Time(messages.Time):
-    """A time that ROS messages take as well as those of rosbase."""
-
-    __slots__ = ()
-
-    def to_msg(self) -> Any:
-        """Return the time as a field of ROS messages takes it."""
-        return RosTime(sec=self.sec, nanosec=self.nanosec)
+__all__ = ["RosClock"]
 
 
 class RosClock(SystemClock):
@@ -36,7 +25,7 @@ class RosClock(SystemClock):
         """Whether the time comes from `/clock`."""
         return bool(self.clock.ros_time_is_active)
 
-    def now(self) -> messages.Time:
+    def now(self) -> Time:
         """Return the date as a stamp; zero if ROS cannot carry it."""
         return Time.as_stamp(self.now_ns())
 

@@ -1,13 +1,15 @@
 """Time and duration, as the ROS package builtin_interfaces has them; both can be computed with."""
 
+import sys
+from operator import index
 from typing import Any, overload
 
-from attrs import frozen
+from attrs import Attribute, field, frozen
 
 from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 
-__all__ = ["STAMPS_END_NS", "Duration", "Time", "is_stamp"]
+__all__ = ["STAMPS_END_NS", "Duration", "Time", "duration_field", "is_stamp", "time_field"]
 
 _NS_PER_S = 1_000_000_000
 
@@ -31,13 +33,32 @@ def _nanoseconds_of(value: Any, name: str) -> int | None:
     """Return the nanoseconds of a time or a duration, rclpy's too; None if it is no such thing."""
     if type(value).__name__ != name:
         return None
-    own = getattr(value, "nanoseconds", None)
-    if isinstance(own, int):
-        return own
-    sec, nanosec = getattr(value, "sec", None), getattr(value, "nanosec", None)
-    if isinstance(sec, int) and isinstance(nanosec, int):
-        return sec * _NS_PER_S + nanosec
-    return None
+    try:
+        if hasattr(value, "nanoseconds"):
+            return index(value.nanoseconds)
+        return index(value.sec) * _NS_PER_S + index(value.nanosec)
+    except (AttributeError, TypeError):
+        return None
+
+
+def _for_ros(value: Any, name: str) -> Any:
+    """Return a time or a duration as ROS messages take it, where the program has loaded those."""
+    found = getattr(sys.modules.get("builtin_interfaces.msg"), name, None)
+    return value if found is None else found(sec=index(value.sec), nanosec=index(value.nanosec))
+
+
+def _field_of(kind: Any) -> Any:
+    """Return a field that takes the time or duration of rosbase, ROS or rclpy, and has ours."""
+    name = kind.__name__
+
+    def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
+        if type(given) is not kind and not isinstance(given, kind):
+            nanoseconds = _nanoseconds_of(given, name)
+            if nanoseconds is not None:
+                # Whoever has made it could change it.
+                object.__setattr__(instance, attribute.name, kind.from_nanoseconds(nanoseconds))
+
+    return field(default=kind(), validator=check)
 
 
 @message("builtin_interfaces/msg/Duration")
@@ -58,11 +79,15 @@ class Duration:
     @property
     def nanoseconds(self) -> int:
         """Length in nanoseconds."""
-        return self.sec * _NS_PER_S + self.nanosec
+        # The 32-bit numbers of numpy would overflow.
+        return index(self.sec) * _NS_PER_S + index(self.nanosec)
 
-    def to_msg(self) -> "Duration":
-        """Return the object itself: programs for rclpy's durations call this method."""
-        return self
+    def to_msg(self) -> Any:
+        """Return it as a field of a ROS message takes it, and a field of rosbase's messages too.
+
+        In a program that has loaded no messages of ROS, that is the object itself.
+        """
+        return _for_ros(self, "Duration")
 
     @overload
     def __add__(self, other: "Duration") -> "Duration": ...
@@ -148,11 +173,15 @@ class Time:
     @property
     def nanoseconds(self) -> int:
         """Nanoseconds since the epoch."""
-        return self.sec * _NS_PER_S + self.nanosec
+        # The 32-bit numbers of numpy would overflow.
+        return index(self.sec) * _NS_PER_S + index(self.nanosec)
 
-    def to_msg(self) -> "Time":
-        """Return the object itself: programs for rclpy's clock call this method."""
-        return self
+    def to_msg(self) -> Any:
+        """Return it as a field of a ROS message takes it, and a field of rosbase's messages too.
+
+        In a program that has loaded no messages of ROS, that is the object itself.
+        """
+        return _for_ros(self, "Time")
 
     def __add__(self, other: Duration) -> "Time":
         length = _nanoseconds_of(other, "Duration")
@@ -207,3 +236,13 @@ class Time:
     def __ge__(self, other: "Time") -> bool:
         when = _nanoseconds_of(other, "Time")
         return NotImplemented if when is None else self.nanoseconds >= when
+
+
+def time_field() -> Any:
+    """Return a field for a time, zero by default. That of a ROS message becomes one of rosbase."""
+    return _field_of(Time)
+
+
+def duration_field() -> Any:
+    """Return a field for a duration, zero by default. That of ROS becomes one of rosbase."""
+    return _field_of(Duration)

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.diagnostic_msgs._diagnostic_status import DiagnosticStatus
 from rosbase.messages.fields import message
 from rosbase.messages.std_msgs._header import Header
@@ -14,4 +15,4 @@ class DiagnosticArray:
 
     header: Header = Header()
     """Time of the status; the frame is not used."""
-    status: tuple[DiagnosticStatus, ...] = ()
+    status: tuple[DiagnosticStatus, ...] = ros.sequence()

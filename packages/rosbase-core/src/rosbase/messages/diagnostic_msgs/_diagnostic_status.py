@@ -28,5 +28,5 @@ class DiagnosticStatus:
     """Description for a person."""
     hardware_id: str = ""
     """Identity of the device, such as a serial number."""
-    values: tuple[KeyValue, ...] = ()
+    values: tuple[KeyValue, ...] = ros.sequence()
     """Further details."""

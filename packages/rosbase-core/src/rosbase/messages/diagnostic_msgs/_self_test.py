@@ -22,7 +22,7 @@ class SelfTest_Response:
 
     id: str = ""
     passed: ros.Byte = 0
-    status: tuple[DiagnosticStatus, ...] = ()
+    status: tuple[DiagnosticStatus, ...] = ros.sequence()
 
 
 class SelfTest:

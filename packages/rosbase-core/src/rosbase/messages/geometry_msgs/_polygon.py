@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._point32 import Point32
 
@@ -11,5 +12,5 @@ from rosbase.messages.geometry_msgs._point32 import Point32
 class Polygon:
     """Area in a plane (geometry_msgs/Polygon)."""
 
-    points: tuple[Point32, ...] = ()
+    points: tuple[Point32, ...] = ros.sequence()
     """Corners in metres; the last is joined to the first."""

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._pose import Pose
 from rosbase.messages.std_msgs._header import Header
@@ -13,4 +14,4 @@ class PoseArray:
     """Poses in one frame, at one time (geometry_msgs/PoseArray)."""
 
     header: Header = Header()
-    poses: tuple[Pose, ...] = ()
+    poses: tuple[Pose, ...] = ros.sequence()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.lifecycle_msgs._state import State
 
@@ -19,7 +20,7 @@ class GetAvailableStates_Request:
 class GetAvailableStates_Response:
     """Message lifecycle_msgs/srv/GetAvailableStates_Response of ROS."""
 
-    available_states: tuple[State, ...] = ()
+    available_states: tuple[State, ...] = ros.sequence()
 
 
 class GetAvailableStates:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.lifecycle_msgs._transition_description import TransitionDescription
 
@@ -19,7 +20,7 @@ class GetAvailableTransitions_Request:
 class GetAvailableTransitions_Response:
     """Message lifecycle_msgs/srv/GetAvailableTransitions_Response of ROS."""
 
-    available_transitions: tuple[TransitionDescription, ...] = ()
+    available_transitions: tuple[TransitionDescription, ...] = ros.sequence()
 
 
 class GetAvailableTransitions:

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._pose_stamped import PoseStamped
 from rosbase.messages.std_msgs._header import Header
@@ -13,4 +14,4 @@ class Goals:
     """Poses that a robot shall reach (nav_msgs/Goals)."""
 
     header: Header = Header()
-    goals: tuple[PoseStamped, ...] = ()
+    goals: tuple[PoseStamped, ...] = ros.sequence()

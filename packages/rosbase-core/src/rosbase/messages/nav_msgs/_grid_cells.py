@@ -18,5 +18,5 @@ class GridCells:
     """Width of a cell in metres."""
     cell_height: ros.Float32 = 0.0
     """Height of a cell in metres."""
-    cells: tuple[Point, ...] = ()
+    cells: tuple[Point, ...] = ros.sequence()
     """Centres of the cells in metres."""

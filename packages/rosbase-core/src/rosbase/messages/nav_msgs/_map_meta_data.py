@@ -3,7 +3,7 @@
 from attrs import frozen
 
 from rosbase.messages import fields as ros
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._pose import Pose
 
@@ -13,7 +13,7 @@ from rosbase.messages.geometry_msgs._pose import Pose
 class MapMetaData:
     """Size and place of a map (nav_msgs/MapMetaData)."""
 
-    map_load_time: Time = Time()
+    map_load_time: Time = time_field()
     """Time at which the map was loaded."""
     resolution: ros.Float32 = 0.0
     """Length of a cell's side in metres."""

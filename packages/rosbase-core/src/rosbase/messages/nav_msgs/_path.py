@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._pose_stamped import PoseStamped
 from rosbase.messages.std_msgs._header import Header
@@ -13,4 +14,4 @@ class Path:
     """Poses that a robot shall pass, in order (nav_msgs/Path)."""
 
     header: Header = Header()
-    poses: tuple[PoseStamped, ...] = ()
+    poses: tuple[PoseStamped, ...] = ros.sequence()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._parameter_descriptor import ParameterDescriptor
 
@@ -13,7 +14,7 @@ from rosbase.messages.rcl_interfaces._parameter_descriptor import ParameterDescr
 class DescribeParameters_Request:
     """Message rcl_interfaces/srv/DescribeParameters_Request of ROS."""
 
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/DescribeParameters_Response")
@@ -21,7 +22,7 @@ class DescribeParameters_Request:
 class DescribeParameters_Response:
     """Message rcl_interfaces/srv/DescribeParameters_Response of ROS."""
 
-    descriptors: tuple[ParameterDescriptor, ...] = ()
+    descriptors: tuple[ParameterDescriptor, ...] = ros.sequence()
 
 
 class DescribeParameters:

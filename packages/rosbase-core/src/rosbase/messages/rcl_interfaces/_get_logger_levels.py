@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._logger_level import LoggerLevel
 
@@ -13,7 +14,7 @@ from rosbase.messages.rcl_interfaces._logger_level import LoggerLevel
 class GetLoggerLevels_Request:
     """Message rcl_interfaces/srv/GetLoggerLevels_Request of ROS."""
 
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/GetLoggerLevels_Response")
@@ -21,7 +22,7 @@ class GetLoggerLevels_Request:
 class GetLoggerLevels_Response:
     """Message rcl_interfaces/srv/GetLoggerLevels_Response of ROS."""
 
-    levels: tuple[LoggerLevel, ...] = ()
+    levels: tuple[LoggerLevel, ...] = ros.sequence()
 
 
 class GetLoggerLevels:

@@ -13,7 +13,7 @@ from rosbase.messages.fields import message
 class GetParameterTypes_Request:
     """Message rcl_interfaces/srv/GetParameterTypes_Request of ROS."""
 
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/GetParameterTypes_Response")

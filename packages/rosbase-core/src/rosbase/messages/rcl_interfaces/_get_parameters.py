@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._parameter_value import ParameterValue
 
@@ -13,7 +14,7 @@ from rosbase.messages.rcl_interfaces._parameter_value import ParameterValue
 class GetParameters_Request:
     """Message rcl_interfaces/srv/GetParameters_Request of ROS."""
 
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/GetParameters_Response")
@@ -21,7 +22,7 @@ class GetParameters_Request:
 class GetParameters_Response:
     """Message rcl_interfaces/srv/GetParameters_Response of ROS."""
 
-    values: tuple[ParameterValue, ...] = ()
+    values: tuple[ParameterValue, ...] = ros.sequence()
 
 
 class GetParameters:

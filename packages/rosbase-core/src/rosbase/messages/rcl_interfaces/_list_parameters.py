@@ -16,7 +16,7 @@ class ListParameters_Request:
 
     DEPTH_RECURSIVE: ClassVar[ros.UInt64] = 0
 
-    prefixes: tuple[str, ...] = ()
+    prefixes: tuple[str, ...] = ros.sequence()
     depth: ros.UInt64 = 0
 
 

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 
 
@@ -10,5 +11,5 @@ from rosbase.messages.fields import message
 class ListParametersResult:
     """Message rcl_interfaces/ListParametersResult of ROS."""
 
-    names: tuple[str, ...] = ()
-    prefixes: tuple[str, ...] = ()
+    names: tuple[str, ...] = ros.sequence()
+    prefixes: tuple[str, ...] = ros.sequence()

@@ -5,7 +5,7 @@ from typing import ClassVar
 from attrs import frozen
 
 from rosbase.messages import fields as ros
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 
 
@@ -20,7 +20,7 @@ class Log:
     ERROR: ClassVar[ros.UInt8] = 40
     FATAL: ClassVar[ros.UInt8] = 50
 
-    stamp: Time = Time()
+    stamp: Time = time_field()
     level: ros.UInt8 = 0
     name: str = ""
     msg: str = ""

@@ -21,5 +21,5 @@ class ParameterDescriptor:
     additional_constraints: str = ""
     read_only: bool = False
     dynamic_typing: bool = False
-    floating_point_range: Annotated[tuple[FloatingPointRange, ...], ros.AtMost(1)] = ()
-    integer_range: Annotated[tuple[IntegerRange, ...], ros.AtMost(1)] = ()
+    floating_point_range: Annotated[tuple[FloatingPointRange, ...], ros.AtMost(1)] = ros.sequence()
+    integer_range: Annotated[tuple[IntegerRange, ...], ros.AtMost(1)] = ros.sequence()

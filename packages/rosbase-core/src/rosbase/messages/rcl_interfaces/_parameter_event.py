@@ -2,7 +2,8 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages import fields as ros
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._parameter import Parameter
 
@@ -12,8 +13,8 @@ from rosbase.messages.rcl_interfaces._parameter import Parameter
 class ParameterEvent:
     """Message rcl_interfaces/ParameterEvent of ROS."""
 
-    stamp: Time = Time()
+    stamp: Time = time_field()
     node: str = ""
-    new_parameters: tuple[Parameter, ...] = ()
-    changed_parameters: tuple[Parameter, ...] = ()
-    deleted_parameters: tuple[Parameter, ...] = ()
+    new_parameters: tuple[Parameter, ...] = ros.sequence()
+    changed_parameters: tuple[Parameter, ...] = ros.sequence()
+    deleted_parameters: tuple[Parameter, ...] = ros.sequence()

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._parameter_descriptor import ParameterDescriptor
 
@@ -11,6 +12,6 @@ from rosbase.messages.rcl_interfaces._parameter_descriptor import ParameterDescr
 class ParameterEventDescriptors:
     """Message rcl_interfaces/ParameterEventDescriptors of ROS."""
 
-    new_parameters: tuple[ParameterDescriptor, ...] = ()
-    changed_parameters: tuple[ParameterDescriptor, ...] = ()
-    deleted_parameters: tuple[ParameterDescriptor, ...] = ()
+    new_parameters: tuple[ParameterDescriptor, ...] = ros.sequence()
+    changed_parameters: tuple[ParameterDescriptor, ...] = ros.sequence()
+    deleted_parameters: tuple[ParameterDescriptor, ...] = ros.sequence()

@@ -16,8 +16,8 @@ class ParameterValue:
     integer_value: ros.Int64 = 0
     double_value: float = 0.0
     string_value: str = ""
-    byte_array_value: tuple[ros.Byte, ...] = ()
-    bool_array_value: tuple[bool, ...] = ()
-    integer_array_value: tuple[ros.Int64, ...] = ()
-    double_array_value: tuple[float, ...] = ()
-    string_array_value: tuple[str, ...] = ()
+    byte_array_value: tuple[ros.Byte, ...] = ros.sequence(octets=True)
+    bool_array_value: tuple[bool, ...] = ros.sequence()
+    integer_array_value: tuple[ros.Int64, ...] = ros.sequence()
+    double_array_value: tuple[float, ...] = ros.sequence()
+    string_array_value: tuple[str, ...] = ros.sequence()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._logger_level import LoggerLevel
 from rosbase.messages.rcl_interfaces._set_logger_levels_result import SetLoggerLevelsResult
@@ -14,7 +15,7 @@ from rosbase.messages.rcl_interfaces._set_logger_levels_result import SetLoggerL
 class SetLoggerLevels_Request:
     """Message rcl_interfaces/srv/SetLoggerLevels_Request of ROS."""
 
-    levels: tuple[LoggerLevel, ...] = ()
+    levels: tuple[LoggerLevel, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/SetLoggerLevels_Response")
@@ -22,7 +23,7 @@ class SetLoggerLevels_Request:
 class SetLoggerLevels_Response:
     """Message rcl_interfaces/srv/SetLoggerLevels_Response of ROS."""
 
-    results: tuple[SetLoggerLevelsResult, ...] = ()
+    results: tuple[SetLoggerLevelsResult, ...] = ros.sequence()
 
 
 class SetLoggerLevels:

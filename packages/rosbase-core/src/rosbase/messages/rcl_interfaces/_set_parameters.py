@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.rcl_interfaces._parameter import Parameter
 from rosbase.messages.rcl_interfaces._set_parameters_result import SetParametersResult
@@ -14,7 +15,7 @@ from rosbase.messages.rcl_interfaces._set_parameters_result import SetParameters
 class SetParameters_Request:
     """Message rcl_interfaces/srv/SetParameters_Request of ROS."""
 
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[Parameter, ...] = ros.sequence()
 
 
 @message("rcl_interfaces/srv/SetParameters_Response")
@@ -22,7 +23,7 @@ class SetParameters_Request:
 class SetParameters_Response:
     """Message rcl_interfaces/srv/SetParameters_Response of ROS."""
 
-    results: tuple[SetParametersResult, ...] = ()
+    results: tuple[SetParametersResult, ...] = ros.sequence()
 
 
 class SetParameters:

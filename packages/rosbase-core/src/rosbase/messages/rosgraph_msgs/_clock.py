@@ -2,7 +2,7 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 
 
@@ -11,4 +11,4 @@ from rosbase.messages.fields import message
 class Clock:
     """Message rosgraph_msgs/Clock of ROS."""
 
-    clock: Time = Time()
+    clock: Time = time_field()

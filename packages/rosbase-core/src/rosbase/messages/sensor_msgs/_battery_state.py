@@ -64,9 +64,9 @@ class BatteryState:
     """One of the constants POWER_SUPPLY_TECHNOLOGY."""
     present: bool = False
     """Whether there is a battery."""
-    cell_voltage: tuple[ros.Float32, ...] = ()
+    cell_voltage: tuple[ros.Float32, ...] = ros.sequence()
     """Voltage of each cell in V; NaN for one that is not measured."""
-    cell_temperature: tuple[ros.Float32, ...] = ()
+    cell_temperature: tuple[ros.Float32, ...] = ros.sequence()
     """Temperature of each cell in degrees Celsius."""
     location: str = ""
     """Place of the battery, such as its slot."""

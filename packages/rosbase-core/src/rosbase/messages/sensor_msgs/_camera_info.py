@@ -23,7 +23,7 @@ class CameraInfo:
     """Width of the image that was calibrated, in pixels."""
     distortion_model: str = ""
     """Name of the model of distortion, such as `plumb_bob`."""
-    d: tuple[float, ...] = ()
+    d: tuple[float, ...] = ros.sequence()
     """Parameters of the distortion model."""
     k: Annotated[tuple[float, ...], ros.Fixed(9)] = ros.fixed(9)
     """Intrinsic matrix of the raw image, 3 x 3, row-major; zeros: not calibrated."""

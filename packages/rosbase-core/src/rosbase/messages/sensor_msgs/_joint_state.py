@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.std_msgs._header import Header
 
@@ -15,10 +16,10 @@ class JointState:
     """
 
     header: Header = Header()
-    name: tuple[str, ...] = ()
-    position: tuple[float, ...] = ()
+    name: tuple[str, ...] = ros.sequence()
+    position: tuple[float, ...] = ros.sequence()
     """Positions in rad, or m for a sliding joint."""
-    velocity: tuple[float, ...] = ()
+    velocity: tuple[float, ...] = ros.sequence()
     """Velocities in rad/s, or m/s."""
-    effort: tuple[float, ...] = ()
+    effort: tuple[float, ...] = ros.sequence()
     """Efforts in Nm, or N."""

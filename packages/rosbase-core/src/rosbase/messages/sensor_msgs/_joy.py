@@ -13,7 +13,7 @@ class Joy:
     """Axes and buttons of a joystick (sensor_msgs/Joy)."""
 
     header: Header = Header()
-    axes: tuple[ros.Float32, ...] = ()
+    axes: tuple[ros.Float32, ...] = ros.sequence()
     """Positions of the axes, -1 to 1 each; left and forward are positive."""
-    buttons: tuple[ros.Int32, ...] = ()
+    buttons: tuple[ros.Int32, ...] = ros.sequence()
     """State of each button: 1 while it is pressed, else 0."""

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.sensor_msgs._joy_feedback import JoyFeedback
 
@@ -11,4 +12,4 @@ from rosbase.messages.sensor_msgs._joy_feedback import JoyFeedback
 class JoyFeedbackArray:
     """Message sensor_msgs/JoyFeedbackArray of ROS."""
 
-    array: tuple[JoyFeedback, ...] = ()
+    array: tuple[JoyFeedback, ...] = ros.sequence()

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._transform import Transform
 from rosbase.messages.geometry_msgs._twist import Twist
@@ -15,7 +16,7 @@ class MultiDOFJointState:
     """Joints with several degrees of freedom (sensor_msgs/MultiDOFJointState)."""
 
     header: Header = Header()
-    joint_names: tuple[str, ...] = ()
-    transforms: tuple[Transform, ...] = ()
-    twist: tuple[Twist, ...] = ()
-    wrench: tuple[Wrench, ...] = ()
+    joint_names: tuple[str, ...] = ros.sequence()
+    transforms: tuple[Transform, ...] = ros.sequence()
+    twist: tuple[Twist, ...] = ros.sequence()
+    wrench: tuple[Wrench, ...] = ros.sequence()

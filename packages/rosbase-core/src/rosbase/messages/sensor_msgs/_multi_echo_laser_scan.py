@@ -21,5 +21,5 @@ class MultiEchoLaserScan:
     scan_time: ros.Float32 = 0.0
     range_min: ros.Float32 = 0.0
     range_max: ros.Float32 = 0.0
-    ranges: tuple[LaserEcho, ...] = ()
-    intensities: tuple[LaserEcho, ...] = ()
+    ranges: tuple[LaserEcho, ...] = ros.sequence()
+    intensities: tuple[LaserEcho, ...] = ros.sequence()

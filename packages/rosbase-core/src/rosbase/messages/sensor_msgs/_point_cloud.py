@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._point32 import Point32
 from rosbase.messages.sensor_msgs._channel_float32 import ChannelFloat32
@@ -14,5 +15,5 @@ class PointCloud:
     """Points as messages; PointCloud2 is smaller and faster (sensor_msgs/PointCloud)."""
 
     header: Header = Header()
-    points: tuple[Point32, ...] = ()
-    channels: tuple[ChannelFloat32, ...] = ()
+    points: tuple[Point32, ...] = ros.sequence()
+    channels: tuple[ChannelFloat32, ...] = ros.sequence()

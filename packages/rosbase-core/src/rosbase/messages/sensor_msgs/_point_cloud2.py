@@ -20,7 +20,7 @@ class PointCloud2:
     """Number of rows; 1 if the points have no order."""
     width: ros.UInt32 = 0
     """Number of points in a row."""
-    fields: tuple[PointField, ...] = ()
+    fields: tuple[PointField, ...] = ros.sequence()
     """Fields of a point, and where they are in its bytes."""
     is_bigendian: bool = False
     """Whether numbers have the most significant byte in front."""

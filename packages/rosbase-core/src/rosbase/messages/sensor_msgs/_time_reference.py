@@ -2,7 +2,7 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 from rosbase.messages.std_msgs._header import Header
 
@@ -14,7 +14,7 @@ class TimeReference:
 
     header: Header = Header()
     """Time of the measurement by the own clock; the frame is not used."""
-    time_ref: Time = Time()
+    time_ref: Time = time_field()
     """Time of the other clock."""
     source: str = ""
     """Name of the other clock."""

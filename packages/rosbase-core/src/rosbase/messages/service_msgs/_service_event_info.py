@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 from attrs import frozen
 
 from rosbase.messages import fields as ros
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 
 
@@ -20,6 +20,6 @@ class ServiceEventInfo:
     RESPONSE_RECEIVED: ClassVar[ros.UInt8] = 3
 
     event_type: ros.UInt8 = 0
-    stamp: Time = Time()
-    client_gid: Annotated[tuple[ros.UInt8, ...], ros.Fixed(16)] = ros.fixed(16, 0)
+    stamp: Time = time_field()
+    client_gid: Annotated[tuple[ros.UInt8, ...], ros.Fixed(16)] = ros.fixed(16, 0, octets=True)
     sequence_number: ros.Int64 = 0

@@ -2,7 +2,7 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Time
+from rosbase.messages.builtin_interfaces import Time, time_field
 from rosbase.messages.fields import message
 
 
@@ -11,7 +11,7 @@ from rosbase.messages.fields import message
 class Header:
     """Time and frame of a measurement (std_msgs/Header)."""
 
-    stamp: Time = Time()
+    stamp: Time = time_field()
     """Time of measurement."""
     frame_id: str = ""
     """Name of the sensor's frame."""

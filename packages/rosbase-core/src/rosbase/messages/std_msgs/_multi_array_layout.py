@@ -12,5 +12,5 @@ from rosbase.messages.std_msgs._multi_array_dimension import MultiArrayDimension
 class MultiArrayLayout:
     """Message std_msgs/MultiArrayLayout of ROS."""
 
-    dim: tuple[MultiArrayDimension, ...] = ()
+    dim: tuple[MultiArrayDimension, ...] = ros.sequence()
     data_offset: ros.UInt32 = 0

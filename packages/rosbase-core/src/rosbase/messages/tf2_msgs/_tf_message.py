@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._transform_stamped import TransformStamped
 
@@ -11,4 +12,4 @@ from rosbase.messages.geometry_msgs._transform_stamped import TransformStamped
 class TFMessage:
     """Transforms between frames, as on the topics `/tf` and `/tf_static` (tf2_msgs/TFMessage)."""
 
-    transforms: tuple[TransformStamped, ...] = ()
+    transforms: tuple[TransformStamped, ...] = ros.sequence()

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.std_msgs._header import Header
 from rosbase.messages.trajectory_msgs._joint_trajectory_point import JointTrajectoryPoint
@@ -13,6 +14,6 @@ class JointTrajectory:
     """Movement of joints (trajectory_msgs/JointTrajectory)."""
 
     header: Header = Header()
-    joint_names: tuple[str, ...] = ()
+    joint_names: tuple[str, ...] = ros.sequence()
     """Names of the joints, in the order of the points' numbers."""
-    points: tuple[JointTrajectoryPoint, ...] = ()
+    points: tuple[JointTrajectoryPoint, ...] = ros.sequence()

@@ -2,7 +2,8 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Duration
+from rosbase.messages import fields as ros
+from rosbase.messages.builtin_interfaces import Duration, duration_field
 from rosbase.messages.fields import message
 
 
@@ -11,13 +12,13 @@ from rosbase.messages.fields import message
 class JointTrajectoryPoint:
     """Joints at one time of a movement (trajectory_msgs/JointTrajectoryPoint)."""
 
-    positions: tuple[float, ...] = ()
+    positions: tuple[float, ...] = ros.sequence()
     """Positions in rad, or m for a sliding joint."""
-    velocities: tuple[float, ...] = ()
+    velocities: tuple[float, ...] = ros.sequence()
     """Velocities in rad/s, or m/s."""
-    accelerations: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ros.sequence()
     """Accelerations in rad/s^2, or m/s^2."""
-    effort: tuple[float, ...] = ()
+    effort: tuple[float, ...] = ros.sequence()
     """Efforts in Nm, or N."""
-    time_from_start: Duration = Duration()
+    time_from_start: Duration = duration_field()
     """Time since the start of the movement."""

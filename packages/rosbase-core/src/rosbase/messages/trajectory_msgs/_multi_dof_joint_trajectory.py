@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.std_msgs._header import Header
 from rosbase.messages.trajectory_msgs._multi_dof_joint_trajectory_point import (
@@ -15,5 +16,5 @@ class MultiDOFJointTrajectory:
     """Message trajectory_msgs/MultiDOFJointTrajectory of ROS."""
 
     header: Header = Header()
-    joint_names: tuple[str, ...] = ()
-    points: tuple[MultiDOFJointTrajectoryPoint, ...] = ()
+    joint_names: tuple[str, ...] = ros.sequence()
+    points: tuple[MultiDOFJointTrajectoryPoint, ...] = ros.sequence()

@@ -2,7 +2,8 @@
 
 from attrs import frozen
 
-from rosbase.messages.builtin_interfaces import Duration
+from rosbase.messages import fields as ros
+from rosbase.messages.builtin_interfaces import Duration, duration_field
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._transform import Transform
 from rosbase.messages.geometry_msgs._twist import Twist
@@ -13,7 +14,7 @@ from rosbase.messages.geometry_msgs._twist import Twist
 class MultiDOFJointTrajectoryPoint:
     """Message trajectory_msgs/MultiDOFJointTrajectoryPoint of ROS."""
 
-    transforms: tuple[Transform, ...] = ()
-    velocities: tuple[Twist, ...] = ()
-    accelerations: tuple[Twist, ...] = ()
-    time_from_start: Duration = Duration()
+    transforms: tuple[Transform, ...] = ros.sequence()
+    velocities: tuple[Twist, ...] = ros.sequence()
+    accelerations: tuple[Twist, ...] = ros.sequence()
+    time_from_start: Duration = duration_field()

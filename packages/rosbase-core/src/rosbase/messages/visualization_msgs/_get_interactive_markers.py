@@ -21,7 +21,7 @@ class GetInteractiveMarkers_Response:
     """Message visualization_msgs/srv/GetInteractiveMarkers_Response of ROS."""
 
     sequence_number: ros.UInt64 = 0
-    markers: tuple[InteractiveMarker, ...] = ()
+    markers: tuple[InteractiveMarker, ...] = ros.sequence()
 
 
 class GetInteractiveMarkers:

@@ -5,7 +5,7 @@ from typing import ClassVar
 from attrs import frozen
 
 from rosbase.messages import fields as ros
-from rosbase.messages.builtin_interfaces import Duration
+from rosbase.messages.builtin_interfaces import Duration, duration_field
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._point import Point
 from rosbase.messages.std_msgs._color_rgba import ColorRGBA
@@ -35,6 +35,6 @@ class ImageMarker:
     outline_color: ColorRGBA = ColorRGBA()
     filled: ros.UInt8 = 0
     fill_color: ColorRGBA = ColorRGBA()
-    lifetime: Duration = Duration()
-    points: tuple[Point, ...] = ()
-    outline_colors: tuple[ColorRGBA, ...] = ()
+    lifetime: Duration = duration_field()
+    points: tuple[Point, ...] = ros.sequence()
+    outline_colors: tuple[ColorRGBA, ...] = ros.sequence()

@@ -20,5 +20,5 @@ class InteractiveMarker:
     name: str = ""
     description: str = ""
     scale: ros.Float32 = 0.0
-    menu_entries: tuple[MenuEntry, ...] = ()
-    controls: tuple[InteractiveMarkerControl, ...] = ()
+    menu_entries: tuple[MenuEntry, ...] = ros.sequence()
+    controls: tuple[InteractiveMarkerControl, ...] = ros.sequence()

@@ -34,6 +34,6 @@ class InteractiveMarkerControl:
     orientation_mode: ros.UInt8 = 0
     interaction_mode: ros.UInt8 = 0
     always_visible: bool = False
-    markers: tuple[Marker, ...] = ()
+    markers: tuple[Marker, ...] = ros.sequence()
     independent_marker_orientation: bool = False
     description: str = ""

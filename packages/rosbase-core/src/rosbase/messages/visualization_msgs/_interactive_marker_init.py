@@ -14,4 +14,4 @@ class InteractiveMarkerInit:
 
     server_id: str = ""
     seq_num: ros.UInt64 = 0
-    markers: tuple[InteractiveMarker, ...] = ()
+    markers: tuple[InteractiveMarker, ...] = ros.sequence()

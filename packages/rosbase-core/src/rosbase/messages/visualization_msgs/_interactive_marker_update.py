@@ -21,6 +21,6 @@ class InteractiveMarkerUpdate:
     server_id: str = ""
     seq_num: ros.UInt64 = 0
     type: ros.UInt8 = 0
-    markers: tuple[InteractiveMarker, ...] = ()
-    poses: tuple[InteractiveMarkerPose, ...] = ()
-    erases: tuple[str, ...] = ()
+    markers: tuple[InteractiveMarker, ...] = ros.sequence()
+    poses: tuple[InteractiveMarkerPose, ...] = ros.sequence()
+    erases: tuple[str, ...] = ros.sequence()

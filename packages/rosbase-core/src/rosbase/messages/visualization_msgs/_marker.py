@@ -5,7 +5,7 @@ from typing import ClassVar
 from attrs import frozen
 
 from rosbase.messages import fields as ros
-from rosbase.messages.builtin_interfaces import Duration
+from rosbase.messages.builtin_interfaces import Duration, duration_field
 from rosbase.messages.fields import message
 from rosbase.messages.geometry_msgs._point import Point
 from rosbase.messages.geometry_msgs._pose import Pose
@@ -48,13 +48,13 @@ class Marker:
     pose: Pose = Pose()
     scale: Vector3 = Vector3()
     color: ColorRGBA = ColorRGBA()
-    lifetime: Duration = Duration()
+    lifetime: Duration = duration_field()
     frame_locked: bool = False
-    points: tuple[Point, ...] = ()
-    colors: tuple[ColorRGBA, ...] = ()
+    points: tuple[Point, ...] = ros.sequence()
+    colors: tuple[ColorRGBA, ...] = ros.sequence()
     texture_resource: str = ""
     texture: CompressedImage = CompressedImage()
-    uv_coordinates: tuple[UVCoordinate, ...] = ()
+    uv_coordinates: tuple[UVCoordinate, ...] = ros.sequence()
     text: str = ""
     mesh_resource: str = ""
     mesh_file: MeshFile = MeshFile()

@@ -2,6 +2,7 @@
 
 from attrs import frozen
 
+from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.messages.visualization_msgs._marker import Marker
 
@@ -11,4 +12,4 @@ from rosbase.messages.visualization_msgs._marker import Marker
 class MarkerArray:
     """Message visualization_msgs/MarkerArray of ROS."""
 
-    markers: tuple[Marker, ...] = ()
+    markers: tuple[Marker, ...] = ros.sequence()
