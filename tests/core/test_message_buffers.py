@@ -191,12 +191,11 @@ def test_an_array_of_other_numbers_is_refused_and_never_written_as_different_one
     numbers_of_form = read_only(np.array(numbers, np.uint8).astype(form))
     try:
         sent = kind(data=numbers_of_form)
-    except TypeError as error:
-        assert "takes " in str(error)
-    else:
-        back = deserialize(serialize(sent), kind)
-        assert list(back.data) == numbers
-        assert back == sent
+    except TypeError:
+        return
+    back = deserialize(serialize(sent), kind)
+    assert list(back.data) == numbers
+    assert back == sent
 
 
 @message("my_msgs/msg/Bare")
