@@ -92,6 +92,28 @@ def test_a_callback_of_two_parameters_gets_a_new_response_too(backend: LocalBack
     assert [response.texts for response in given] == [["kept"], ["kept"]]
 
 
+def test_a_parameter_with_a_default_is_the_programs_own(backend: LocalBackend) -> None:
+    for factor in (2, 3):
+        backend.create_service(
+            Double,
+            f"times_{factor}",
+            lambda request, factor=factor: Double.Response(factor * request.number),
+        )
+    assert [ask(backend, f"times_{factor}", 7) for factor in (2, 3)] == [14, 21]
+
+
+def test_a_decorated_callback_gets_both_as_from_rclpy(backend: LocalBackend) -> None:
+    given: list[tuple[type, ...]] = []
+
+    def answer(*arguments: Any) -> Double.Response:
+        given.append(tuple(map(type, arguments)))
+        return double(arguments[0])
+
+    backend.create_service(Double, "double", answer)
+    assert ask(backend, "double", 21) == 42
+    assert given == [(Double.Request, Double.Response)]
+
+
 def test_a_response_that_cannot_be_made_without_arguments_is_none(backend: LocalBackend) -> None:
     def answer(_: Other.Request, response: Other.Response) -> Other.Response:
         return Other.Response(repr(response))
