@@ -148,10 +148,10 @@ def test_a_bool_of_numpy_is_sent_as_one_of_python() -> None:
 
 
 def test_the_field_is_named_from_the_message_on() -> None:
-    imu = Imu(angular_velocity=Vector3(0.0, None, 0.0))  # type: ignore[arg-type]
+    imu = Imu(angular_velocity=Vector3(0.0, None, 0.0))  # type: ignore[arg-type]  # the mistake is the test
     with pytest.raises(TypeError, match=r"^Imu\.angular_velocity\.y takes numbers, not None$"):
         CONVERSIONS.of(Imu).to_ros(imu)
-    pose = Pose(orientation=Vector3())  # type: ignore[arg-type]
+    pose = Pose(orientation=Vector3())  # type: ignore[arg-type]  # the mistake is the test
     with pytest.raises(TypeError, match=r"^Pose\.orientation takes messages of type Quaternion"):
         CONVERSIONS.of(Pose).to_ros(pose)
 
@@ -187,8 +187,8 @@ def test_whole_numbers_and_those_of_numpy_become_floats() -> None:
     assert repr(over_the_network(sent)) == repr(Vector3(1.0, 0.5, 2.0))
     joints = JointState(
         position=numpy.array([1, 2]),
-        velocity=[1, 2.5],  # type: ignore[arg-type]
-        effort=array("f", [0.5]),  # type: ignore[arg-type]
+        velocity=[1, 2.5],  # type: ignore[arg-type]  # a list where a tuple is declared
+        effort=array("f", [0.5]),  # type: ignore[arg-type]  # an array where a tuple is declared
     )
     expected = JointState(position=(1.0, 2.0), velocity=(1.0, 2.5), effort=(0.5,))
     assert repr(over_the_network(joints)) == repr(expected)
@@ -294,7 +294,7 @@ def test_a_converter_by_hand_is_used_inside_other_messages_too() -> None:
     assert ros.header.frame_id == "robot1/imu_link"
     assert converter.from_ros(ros) == stamped
     with pytest.raises(TypeError, match=r"^Stamped\.header takes messages of type Frame"):
-        converter.to_ros(Stamped(None, Vector3()))  # type: ignore[arg-type]
+        converter.to_ros(Stamped(None, Vector3()))  # type: ignore[arg-type]  # the mistake is the test
 
 
 def test_what_a_plugin_converts_to_another_class_than_the_field_has_is_refused() -> None:
