@@ -63,7 +63,7 @@ def run_manager(frequency_hz: float, ticks: int, handle: Callable[[], object]) -
         def release_resources(self) -> None:
             self.after = cpu_s()
 
-    Handlers.handle = staticmethod(handle)  # type: ignore[method-assign, assignment]
+    Handlers.handle = staticmethod(handle)  # type: ignore[method-assign, assignment]  # handlers without a frame of their own
     app = App(handlers_class=Handlers, node_freq_hz=frequency_hz)
     app.backend.create_timer(ticks / frequency_hz, app.request_stop)
     before = cpu_s()

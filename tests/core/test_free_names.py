@@ -52,7 +52,7 @@ def after_a_run(component: Any) -> Any:
 
 @pytest.mark.parametrize(("base", "name"), COMBINATIONS)
 def test_programs_may_assign_the_name_in_their_init(base: Any, name: str) -> None:
-    class Component(base):  # type: ignore[misc]
+    class Component(base):  # type: ignore[misc]  # the base is a parameter
         def __init__(self, manager: Any = None, **kwargs: Any) -> None:
             setattr(self, name, "before")
             super().__init__(manager, **kwargs)
@@ -114,7 +114,7 @@ def test_the_abstract_reset_of_an_agent_is_callable_through_super() -> None:
         steps = 3
 
         def reset(self) -> None:
-            super().reset()  # type: ignore[safe-super]
+            super().reset()  # type: ignore[safe-super]  # it has a body, though abstract
             self.steps = 0
 
     agent = Careful()

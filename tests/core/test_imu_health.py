@@ -1,5 +1,7 @@
 """How well an active reader is: by its samples, at any rate, without flapping. In virtual time."""
 
+from typing import Any
+
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -127,7 +129,7 @@ def test_as_long_as_samples_go_out_it_is_ok_whatever_else_arrives(
 
 @given(st.lists(reasons, min_size=2, max_size=5, unique=True), rates, offsets, st.randoms())
 def test_reasons_that_take_turns_do_not_make_the_message_flap(
-    several: list[str], rate_hz: float, offset_s: float, random: object
+    several: list[str], rate_hz: float, offset_s: float, random: Any
 ) -> None:
     in_turn = watch(
         every(lambda number: several[number % len(several)], rate_hz, 0.0, 60.0),
@@ -136,7 +138,7 @@ def test_reasons_that_take_turns_do_not_make_the_message_flap(
     )
     assert len(kinds(in_turn)) <= 4
     by_chance = watch(
-        every(lambda _: random.choice(several), rate_hz, 0.0, 60.0),  # type: ignore[attr-defined]
+        every(lambda _: random.choice(several), rate_hz, 0.0, 60.0),
         until_s=59.0,
         offset_s=offset_s,
     )

@@ -61,8 +61,8 @@ def spin(side: Side, until: Any) -> None:
 def test_messages_arrive_in_order_none_lost_both_ways(sides: tuple[Side, Side]) -> None:
     for here, there in (sides, sides[::-1]):
         got: list[int] = []
-        there.backend.create_subscription(Vector3, "scan", lambda v, g=got: g.append(v.x), 5000)  # type: ignore[misc]
-        wait_until(lambda h=here: h.knows_audience("/scan"), "the audience")  # type: ignore[misc]
+        there.backend.create_subscription(Vector3, "scan", lambda v, g=got: g.append(v.x), 5000)  # type: ignore[misc]  # mypy infers no default of a lambda
+        wait_until(lambda h=here: h.knows_audience("/scan"), "the audience")  # type: ignore[misc]  # mypy infers no default of a lambda
         publisher = here.backend.create_publisher(Vector3, "scan", 1)
         for number in range(2000):
             publisher.publish(Vector3(x=float(number)))
@@ -81,7 +81,7 @@ def test_nothing_is_sent_that_nobody_wants(sides: tuple[Side, Side]) -> None:
         sent.append(values)
         send(*values)
 
-    here.link._send = note  # type: ignore[method-assign]
+    here.link._send = note  # type: ignore[method-assign]  # the test scripts it
     subscription = there.backend.create_subscription(Header, "scan", print, 1)
     wait_until(lambda: here.knows_audience("/scan"), "the audience")
     there.backend.destroy_subscription(subscription)

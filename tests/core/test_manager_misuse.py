@@ -29,7 +29,7 @@ def test_a_handshake_timeout_that_is_none_is_a_value_error(timeout: Any) -> None
 def test_a_rule_that_cannot_be_called_is_refused() -> None:
     manager = BaseManager(backend=virtual_backend())
     with pytest.raises(TypeError, match="handshake rule 'x' takes a function, not True"):
-        manager.add_handshake_rule("x", True)  # type: ignore[arg-type]
+        manager.add_handshake_rule("x", True)  # type: ignore[arg-type]  # the mistake is the test
     manager.destroy_node()
 
 
@@ -46,7 +46,7 @@ def test_each_rule_is_asked_once_in_each_round_and_a_moment_is_not_missed() -> N
 def test_rules_of_one_name_are_reported_each(caplog: pytest.LogCaptureFixture) -> None:
     manager = BaseManager(handshake_timeout=1.0, backend=virtual_backend())
     for text in ("one", "two"):
-        manager.add_handshake_rule("same", lambda t=text: {}[t])  # type: ignore[misc]
+        manager.add_handshake_rule("same", lambda t=text: {}[t])  # type: ignore[misc]  # mypy infers no default of a lambda
     with pytest.raises(HandshakeTimeoutError, match="same, same"):
         manager.start_main_loop_timer()
     reports = [m for m in caplog.messages if m.startswith("handshake rule 'same' raised")]
@@ -74,13 +74,13 @@ def test_a_manager_cannot_be_started_from_within_its_own_loop() -> None:
 def test_children_that_are_none_end_in_the_whole_clean_up() -> None:
     backend = virtual_backend()
     with pytest.raises(TypeError, match="is not a return value of register_multiprocess_nodes"):
-        BaseManager(backend=backend).start_main_loop_timer(["sleep 1"])  # type: ignore[arg-type]
+        BaseManager(backend=backend).start_main_loop_timer(["sleep 1"])  # type: ignore[arg-type]  # the mistake is the test
     assert backend._closed
 
 
 def test_an_autostart_that_is_none_is_named() -> None:
     class Device(LifecycleNode):
-        autostart = "active"  # type: ignore[assignment]
+        autostart = "active"  # type: ignore[assignment]  # the mistake is the test
 
     manager = BaseManager(nodes_dict={"d": Device}, backend=virtual_backend())
     with pytest.raises(ValueError, match="autostart of Device is one of none, configure, activate"):

@@ -281,7 +281,7 @@ def test_a_pair_is_whole_seconds_and_the_nanoseconds_after_them(
     pair: tuple[object, object], expected: int | str
 ) -> None:
     found = date_ns(pair, [S, 1], numeric_strings=True)
-    assert expected in found.detail if isinstance(found, Reject) else found == expected  # type: ignore[operator]
+    assert expected in found.detail if isinstance(found, Reject) else found == expected  # type: ignore[operator]  # a text where it is a Reject
 
 
 NOON = 1_812_345_678
@@ -324,7 +324,7 @@ NOON = 1_812_345_678
 )
 def test_dates_are_as_rfc_3339_and_iso_8601_allow_them(text: str, expected: int | str) -> None:
     found = date_ns([text], [S], numeric_strings=True)
-    assert expected in found.detail if isinstance(found, Reject) else found == expected  # type: ignore[operator]
+    assert expected in found.detail if isinstance(found, Reject) else found == expected  # type: ignore[operator]  # a text where it is a Reject
 
 
 # Numbers in quotes.

@@ -6,6 +6,7 @@ import pickle
 import tracemalloc
 from array import array
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Annotated, Any
 
 import attrs
@@ -33,7 +34,7 @@ from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase.wire import deserialize, serialize
 
-np: Any = pytest.importorskip("numpy")
+np: Any = import_module("numpy")
 
 PIXELS = bytes(range(250)) * 4
 

@@ -101,11 +101,11 @@ def test_what_makes_no_sense_is_refused_by_python() -> None:
         lambda: sum([time]),
     ):
         with pytest.raises(TypeError):
-            wrong()  # type: ignore[no-untyped-call]
+            wrong()  # type: ignore[no-untyped-call]  # lambdas have no types
     assert time != duration
     assert time != 1_000_000_000
     assert time != Header(time)
-    assert (time == None) is False  # noqa: E711
+    assert (time == None) is False  # noqa: E711 - the operator is the test
 
 
 def test_they_are_sorted_used_as_keys_pickled_and_cannot_be_changed() -> None:
@@ -115,7 +115,7 @@ def test_they_are_sorted_used_as_keys_pickled_and_cannot_be_changed() -> None:
     assert {Time(1): "a"}[Time(0, S)] == "a"
     assert pickle.loads(pickle.dumps(Time(1, 2))) == Time(1, 2)
     with pytest.raises(AttributeError):
-        times[0].sec = 1  # type: ignore[misc]
+        times[0].sec = 1  # type: ignore[misc]  # the mistake is the test
     assert repr(Time(1, 2)) == "Time(sec=1, nanosec=2)"
     assert repr(-Duration(0, 1)) == "Duration(sec=-1, nanosec=999999999)"
     assert Time(1).to_msg() is not None

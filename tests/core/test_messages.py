@@ -63,9 +63,9 @@ def test_the_levels_of_a_diagnostic_status_are_those_of_ros() -> None:
 @pytest.mark.parametrize("message", [Imu(), MagneticField()])
 def test_messages_cannot_be_changed_by_a_subscriber(message: object) -> None:
     with pytest.raises(attrs.exceptions.FrozenInstanceError):
-        message.header = None  # type: ignore[attr-defined]
+        message.header = None  # type: ignore[attr-defined]  # the mistake is the test
 
 
 def test_a_covariance_has_nine_elements() -> None:
     with pytest.raises(ValueError, match="orientation_covariance takes 9 elements, not 2"):
-        Imu(orientation_covariance=(1.0, 2.0))  # type: ignore[arg-type]
+        Imu(orientation_covariance=(1.0, 2.0))  # type: ignore[arg-type]  # the mistake is the test

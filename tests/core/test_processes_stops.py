@@ -295,7 +295,7 @@ def test_a_guardian_that_is_stopped_does_not_hold_up_the_end(tmp_path: Path) -> 
         wait_until(lambda: all((tmp_path / name).exists() for name in "abc"), "their traps")
         for child in children:
             os.kill(parent_of(child), signal.SIGSTOP)
-            wait_until(lambda c=child: state_of(parent_of(c)) == "T", "its rest")  # type: ignore[misc]
+            wait_until(lambda c=child: state_of(parent_of(c)) == "T", "its rest")  # type: ignore[misc]  # mypy infers no default of a lambda
         took_s, status, _, err = program.stop(signal.SIGTERM)
         assert took_s < 2.0
         assert not program.family()

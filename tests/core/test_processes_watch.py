@@ -51,7 +51,7 @@ def sleepers(session: int) -> int:
 
 def wait_for_end(processes: ChildProcesses) -> None:
     for name, child in processes.items():
-        wait_until(lambda child=child: not child.is_alive, f"the end of {name}")  # type: ignore[misc]
+        wait_until(lambda child=child: not child.is_alive, f"the end of {name}")  # type: ignore[misc]  # mypy infers no default of a lambda
 
 
 def test_output_is_logged_line_by_line_with_the_name_of_the_child(

@@ -77,7 +77,7 @@ def test_a_profile_is_by_default_what_it_is_in_ros() -> None:
 def test_a_profile_does_not_change_and_goes_to_another_process() -> None:
     profile = latched(1)
     with pytest.raises(FrozenInstanceError):
-        profile.depth = 2  # type: ignore[misc]
+        profile.depth = 2  # type: ignore[misc]  # the mistake is the test
     assert pickle.loads(pickle.dumps(profile)) == profile
 
 
@@ -214,7 +214,7 @@ def test_nothing_is_lost_or_twice_for_who_comes_while_another_thread_publishes(
         late = []
         for _ in range(30):
             seen = len(sent)
-            wait_until(lambda n=seen: len(sent) > n, "a message")  # type: ignore[misc]
+            wait_until(lambda n=seen: len(sent) > n, "a message")  # type: ignore[misc]  # mypy infers no default of a lambda
             late.append(subscribe(backend, latched(history=HistoryPolicy.KEEP_ALL)))
     finally:
         ending.set()

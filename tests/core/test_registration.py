@@ -16,7 +16,7 @@ from support.roles import Brain, Camera, StopAfter
 def named(base: Any, name: str, built: list[str]) -> Any:
     """A component class that notes when it is built."""
 
-    class Component(base):  # type: ignore[misc]
+    class Component(base):  # type: ignore[misc]  # the base is a parameter
         def __init__(self, manager: Any = None, *args: Any, **kwargs: Any) -> None:
             super().__init__(manager, *args, **kwargs)
             built.append(name)
@@ -50,9 +50,9 @@ def test_a_component_is_given_the_manager_by_name_and_every_extra_argument() -> 
 
     manager = BaseManager(
         "orchestrator",
-        {"n": Anything},  # type: ignore[dict-item]
-        {"a": Anything},  # type: ignore[dict-item]
-        Anything,  # type: ignore[arg-type]
+        {"n": Anything},  # type: ignore[dict-item]  # components need no base
+        {"a": Anything},  # type: ignore[dict-item]  # components need no base
+        Anything,  # type: ignore[arg-type]  # components need no base
         node_freq_hz=10,
         start_state="PREPARE",
         log_freq=False,

@@ -118,6 +118,6 @@ def test_a_parameter_shows_its_name_and_value() -> None:
 
 @pytest.mark.parametrize("state", list(State))
 def test_a_state_prints_its_label_and_still_counts_as_its_id(state: State) -> None:
-    assert (str(state), f"{state}", "%s" % state) == (state.label,) * 3  # noqa: UP031
+    assert (str(state), f"{state}", "%s" % state) == (state.label,) * 3  # noqa: UP031 - the old way of formatting, too
     assert (state, f"{state:d}", int(state)) == (state.id, str(state.id), state.id)
     assert repr(state) == f"<State.{state.name}: {state.id}>"

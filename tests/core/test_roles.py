@@ -190,7 +190,7 @@ def test_an_agent_works_without_a_manager() -> None:
     agent.reset()
     assert agent.gain == 0.0
     with pytest.raises(TypeError, match="abstract"):
-        BaseAgent()  # type: ignore[abstract]
+        BaseAgent()  # type: ignore[abstract]  # the mistake is the test
 
 
 def test_handlers_read_and_write_the_state_of_the_manager() -> None:
@@ -206,7 +206,7 @@ def test_a_lone_node_opens_and_closes_its_own_connection() -> None:
     backend = virtual_backend()
     node = Camera(backend=backend)
     released: list[int] = []
-    node.release_resources = lambda: released.append(1)  # type: ignore[method-assign]
+    node.release_resources = lambda: released.append(1)  # type: ignore[method-assign]  # the test scripts it
     node.publisher.publish(Header(frame_id="x"))
     node.create_timer(0.5, node._request_stop)
     node.start_spin_standalone()

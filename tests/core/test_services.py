@@ -92,6 +92,28 @@ def test_a_callback_of_two_parameters_gets_a_new_response_too(backend: LocalBack
     assert [response.texts for response in given] == [["kept"], ["kept"]]
 
 
+def test_a_parameter_with_a_default_is_the_programs_own(backend: LocalBackend) -> None:
+    for factor in (2, 3):
+        backend.create_service(
+            Double,
+            f"times_{factor}",
+            lambda request, factor=factor: Double.Response(factor * request.number),
+        )
+    assert [ask(backend, f"times_{factor}", 7) for factor in (2, 3)] == [14, 21]
+
+
+def test_a_decorated_callback_gets_both_as_from_rclpy(backend: LocalBackend) -> None:
+    given: list[tuple[type, ...]] = []
+
+    def answer(*arguments: Any) -> Double.Response:
+        given.append(tuple(map(type, arguments)))
+        return double(arguments[0])
+
+    backend.create_service(Double, "double", answer)
+    assert ask(backend, "double", 21) == 42
+    assert given == [(Double.Request, Double.Response)]
+
+
 def test_a_response_that_cannot_be_made_without_arguments_is_none(backend: LocalBackend) -> None:
     def answer(_: Other.Request, response: Other.Response) -> Other.Response:
         return Other.Response(repr(response))
@@ -103,7 +125,7 @@ def test_a_response_that_cannot_be_made_without_arguments_is_none(backend: Local
 def test_a_callback_that_returns_something_else_has_failed(
     backend: LocalBackend, caplog: pytest.LogCaptureFixture
 ) -> None:
-    backend.create_service(Double, "double", lambda request: 42)  # type: ignore[arg-type]
+    backend.create_service(Double, "double", lambda request: 42)  # type: ignore[arg-type]  # the mistake is the test
     error = fails(lambda: ask(backend, "double"))
     assert isinstance(error, ServiceFailedError)
     assert "the callback of /double returned int, not Double.Response" in str(error)
@@ -127,7 +149,7 @@ def test_a_node_refuses_a_callback_that_would_never_run(backend: LocalBackend) -
 
     node = BaseNode(backend=backend)
     with pytest.raises(TypeError, match=r"the service double: .* is async"):
-        node.create_service(Double, "double", late)  # type: ignore[arg-type]
+        node.create_service(Double, "double", late)  # type: ignore[arg-type]  # the mistake is the test
 
 
 # Names and types.
@@ -169,7 +191,7 @@ def test_a_request_of_another_class_is_an_error_that_names_both(backend: LocalBa
     client = backend.create_client(Double, "double")
     for call in (client.call, client.call_async):
         with pytest.raises(TypeError, match=r"/double takes Double.Request, not str"):
-            call("five")  # type: ignore[arg-type]
+            call("five")  # type: ignore[arg-type]  # the mistake is the test
 
 
 @pytest.mark.parametrize("wrong", [-1.0, float("nan")])
@@ -559,7 +581,7 @@ def test_closing_ends_the_wait_of_another_thread(backend: LocalBackend) -> None:
     call = partial(client.call, Double.Request(), 1000.0)
     thread = threading.Thread(target=lambda: errors.append(fails(call)))
     thread.start()
-    wait_until(lambda: client._pending, "the call")  # type: ignore[attr-defined]
+    wait_until(lambda: client._pending, "the call")  # type: ignore[attr-defined]  # rosbase's own kind of client
     backend.close()
     thread.join(20.0)
     assert [str(error) for error in errors] == ["/double: the client has been destroyed"]
@@ -606,6 +628,6 @@ def test_a_backend_without_services_says_so() -> None:
     for create in creates:
         with pytest.raises(BackendError, match="double: this backend has no services"):
             create()
-    bare.destroy_service(None)  # type: ignore[arg-type]
-    bare.destroy_client(None)  # type: ignore[arg-type]
+    bare.destroy_service(None)  # type: ignore[arg-type]  # the mistake is the test
+    bare.destroy_client(None)  # type: ignore[arg-type]  # the mistake is the test
     bare.close()

@@ -160,7 +160,7 @@ def test_what_cannot_be_called_is_refused_when_it_is_created(callback: Any) -> N
 
 def test_handlers_whose_handle_is_async_are_refused() -> None:
     class Handlers(BaseHandlers):
-        async def handle(self) -> None:  # type: ignore[override]
+        async def handle(self) -> None:  # type: ignore[override]  # the mistake is the test
             ...
 
     with pytest.raises(TypeError, match=r"Handlers\.handle: .* is async"):
@@ -422,7 +422,7 @@ class LateDevice(Device):
     """Gets its constructor after its class, as from a decorator."""
 
 
-LateDevice.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]
+LateDevice.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]  # as a decorator does
 
 FORGETFUL_DEVICES = [ForgetfulDevice, MixedDevice, LateDevice]
 
@@ -449,7 +449,7 @@ class LaterManager(BaseManager):
     """Gets its constructor after its class, as from a decorator."""
 
 
-LaterManager.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]
+LaterManager.__init__ = ForgetsAsMixin.__init__  # type: ignore[assignment]  # as a decorator does
 
 
 @pytest.mark.parametrize("forgetful", [ForgetfulManager, MixedManager, LaterManager])
@@ -545,7 +545,7 @@ def test_a_parameter_callback_that_fails_refuses_the_change_and_is_named_in_one_
 def test_what_a_component_lacks_is_said_as_python_says_it() -> None:
     node = BaseNode(backend=virtual_backend())
     with pytest.raises(AttributeError, match="'BaseNode' object has no attribute 'imgae'"):
-        node.imgae  # type: ignore[attr-defined]  # noqa: B018
+        node.imgae  # type: ignore[attr-defined]  # noqa: B018 - the access is the test
     node.destroy_node()
 
 

@@ -1,6 +1,7 @@
 """Stamps of a stream rise, and say what is known of the arrival: by simple bounds."""
 
 from itertools import pairwise
+from typing import Any
 
 from hypothesis import given, settings
 
@@ -107,11 +108,11 @@ def steady(stream: MadeStream, count: int, interval_ns: int, frames: int = 1) ->
     return [stream.read(found(interval_ns, frames)) for _ in range(count)]
 
 
-def found(pause_ns: int, frames: int = 1, **more: object) -> MadeRead:
+def found(pause_ns: int, frames: int = 1, **more: Any) -> MadeRead:
     """A read of a reader that did nothing but wait for it."""
     made = MadeRead(pause_ns - 1_000, looks=False, frames=frames, begins=False, step_ns=0,
                     held_ns=(0, 0))  # fmt: skip
-    return made._replace(**more)  # type: ignore[arg-type]
+    return made._replace(**more)
 
 
 def gaps_of(reads: list[Stamped]) -> list[float]:

@@ -155,7 +155,7 @@ def test_a_transition_that_a_callback_asks_for_is_refused_as_busy(
         asked.append(change(manager, label="configure"))
         return CallbackReturn.SUCCESS
 
-    camera.on_configure = on_configure  # type: ignore[method-assign]
+    camera.on_configure = on_configure  # type: ignore[method-assign]  # the test scripts it
     assert change(manager, label="configure")
     assert asked == [False]
     assert "/camera/change_state refused: busy: configuring since 0 s" in caplog.text

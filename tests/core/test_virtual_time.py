@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -40,8 +41,8 @@ def test_an_hour_at_200_hz_takes_seconds_and_leaves_the_same_trace_twice() -> No
 class Ticker(BaseNode):
     """Notes when its timer fires."""
 
-    def __init__(self, manager: object = None, **kwargs: object) -> None:
-        super().__init__(manager, **kwargs)  # type: ignore[arg-type]
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
         self.fired: list[int] = []
         self.create_timer(0.03, lambda: self.fired.append(self.timestamp))
 

@@ -168,9 +168,9 @@ def test_a_service_message_keeps_its_kind_in_the_schema() -> None:
         (Grip(few=(Finger(),) * 3), "Grip.few takes at most 2 elements, not 3"),
         (Grip(joints=(1, 2)), "Grip.joints takes 3 elements, not 2"),
         (Grip(joints=(1, 2, 40_000)), "Grip.joints takes whole numbers from -32768 to 32767"),
-        (Grip(tips=(Point(),)), "Grip.tips takes 2 elements, not 1"),  # type: ignore[arg-type]
-        (Grip(fingers=(Finger(None),)), "Grip.fingers.force takes numbers, not None"),  # type: ignore[arg-type]
-        (Slotted(inner=None), "Slotted.inner takes messages of type Grip, not None"),  # type: ignore[arg-type]
+        (Grip(tips=(Point(),)), "Grip.tips takes 2 elements, not 1"),  # type: ignore[arg-type]  # the mistake is the test
+        (Grip(fingers=(Finger(None),)), "Grip.fingers.force takes numbers, not None"),  # type: ignore[arg-type]  # the mistake is the test
+        (Slotted(inner=None), "Slotted.inner takes messages of type Grip, not None"),  # type: ignore[arg-type]  # the mistake is the test
         (Slotted(inner=Grip(state=300)), "Slotted.inner.state takes whole numbers from 0 to 255"),
     ],
 )

@@ -1,6 +1,9 @@
 """The rules of docs/design.md that no tool checks."""
 
 import ast
+import io
+import re
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -47,3 +50,24 @@ def test_nothing_but_the_clock_reads_the_time() -> None:
         for node in ast.walk(ast.parse(module.read_text())):
             if isinstance(node, ast.Import) and module.name not in readers:
                 assert "time" not in [alias.name for alias in node.names], module
+
+
+def test_every_exception_from_the_checks_has_a_reason() -> None:
+    exception = re.compile(r"# (noqa: [A-Z0-9, ]+|type: ignore\[[a-z, -]+\])")
+    # Of two in one line, the last has it.
+    with_reason = re.compile(
+        f"({exception.pattern}  )*{exception.pattern}(  # | - )(?!noqa|type:).+"
+    )
+    # They have mistakes on purpose, and say which.
+    exempt = ROOT / "tests" / "typing_failures"
+    lines = [
+        f"{file.relative_to(ROOT)}: {token.line.strip()}"
+        for folder in ("packages", "tests", "docs", "tools")
+        for file in sorted((ROOT / folder).rglob("*.py"))
+        if exempt not in file.parents
+        for token in tokenize.generate_tokens(io.StringIO(file.read_text()).readline)
+        if token.type == tokenize.COMMENT
+        and exception.match(token.string)
+        and not with_reason.match(token.string)
+    ]
+    assert lines == []

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -98,7 +99,7 @@ def test_lines_come_over_tcp_and_a_connection_that_ends_is_made_again(
         peer.send(b"line %d" % times)
         assert rig.next() == b"line %d" % times
         peer.hang_up()
-        wait_until(lambda: transport.health.reconnects > times, "the return")  # noqa: B023
+        wait_until(lambda: transport.health.reconnects > times, "the return")  # noqa: B023 - called in this turn of the loop
         wait_for_state(transport, TransportState.CONNECTED)
 
 
@@ -188,12 +189,12 @@ def test_a_name_that_takes_long_to_be_found_holds_up_nothing_and_is_used_in_the_
     answers, asked = threading.Event(), []
     real = socket.getaddrinfo
 
-    def slow(host: str, *args: object, **kwargs: object) -> object:
+    def slow(host: str, *args: Any, **kwargs: Any) -> object:
         if kwargs.get("flags"):
             raise socket.gaierror(socket.EAI_NONAME, "not a number")
         asked.append(host)
         answers.wait(30)
-        return real("127.0.0.1", *args, **kwargs)  # type: ignore[arg-type]
+        return real("127.0.0.1", *args, **kwargs)
 
     monkeypatch.setattr(socket, "getaddrinfo", slow)
     transport = rig.transport(path=f"socket://esp32.local:{peer.port}", wait=True)

@@ -29,10 +29,10 @@ class TestSerial(TransportContract):
 
 
 class TestSocket(TestSerial):
-    def make_peer(self) -> SocketPeer:  # type: ignore[override]
+    def make_peer(self) -> SocketPeer:  # type: ignore[override]  # not its base's kind
         return SocketPeer()
 
 
 class TestRfc2217(TestSerial):
-    def make_peer(self) -> Rfc2217Peer:  # type: ignore[override]
+    def make_peer(self) -> Rfc2217Peer:  # type: ignore[override]  # not its base's kind
         return Rfc2217Peer()

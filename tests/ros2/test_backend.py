@@ -364,7 +364,7 @@ def test_a_lone_node_whose_constructor_raises_leaves_the_graph(
 ) -> None:
     watcher: Any = rclpy.create_node("watcher", context=context)
 
-    class Broken(kind):  # type: ignore[misc,valid-type]
+    class Broken(kind):  # type: ignore[misc,valid-type]  # the base is a parameter
         def __init__(self) -> None:
             super().__init__(backend="ros2", node_name="broken")
             self.create_publisher(String, "words", 1)

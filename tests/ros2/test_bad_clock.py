@@ -292,7 +292,7 @@ def test_a_parameter_is_declared_although_dds_does_not_take_the_event(
     spec = ParameterSpec("rate", 1.0)
     with pytest.raises(ParameterError, match="cannot publish data"):
         backend.declare_parameter(ParameterSpec("at_a_good_date", 1.0))
-    monkeypatch.setattr(backend._refusals, "_clock", ManualClock(Y2040_NS))
+    monkeypatch.setattr(refusals, "SystemClock", lambda: ManualClock(Y2040_NS))
     assert backend.declare_parameter(spec).value == 1.0
     # An empty list is taken for one of bytes, and is set once more.
     names = ParameterSpec("names", [], kind=ParameterKind.STRING_ARRAY)
@@ -307,7 +307,7 @@ def test_a_topic_that_dds_does_not_let_be_created_is_an_error_that_names_the_dat
         raise RCLError("Failed to create publisher: cannot publish data")
 
     monkeypatch.setattr(backend.node, "create_publisher", refuse)
-    monkeypatch.setattr(backend._refusals, "_clock", ManualClock(Y2040_NS))
+    monkeypatch.setattr(refusals, "SystemClock", lambda: ManualClock(Y2040_NS))
     with pytest.raises(BackendError, match=r"^topic 'h': the date of .* 2040-01-01 .* \(Failed to"):
         backend.create_publisher(Header, "h", 10)
 

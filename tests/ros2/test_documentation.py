@@ -28,7 +28,7 @@ def unit(block: Block) -> configparser.SectionProxy:
     """What systemd runs."""
     parser = configparser.ConfigParser(interpolation=None, strict=True)
     # As configparser's documentation has it.
-    parser.optionxform = str  # type: ignore[assignment,method-assign]
+    parser.optionxform = str  # type: ignore[assignment,method-assign]  # as its documentation has it
     parser.read_string(block.text)
     return parser["Service"]
 

@@ -151,7 +151,7 @@ def test_a_publisher_that_is_created_again_offers_the_same(opened: Open) -> None
     backend = opened("-p", "qos_overrides./words.publisher.depth:=7")
     for _ in range(2):
         publisher = backend.create_publisher(String, "words", 3)
-        assert publisher.inner.qos_profile.depth == 7  # type: ignore[attr-defined]
+        assert publisher.inner.qos_profile.depth == 7  # type: ignore[attr-defined]  # rosbase's own kind of publisher
         backend.destroy_publisher(publisher)
 
 

@@ -57,7 +57,7 @@ class Ours(LifecycleNode):
         return [(t.id, t.label) for t in self.get_available_transitions()]
 
 
-class Theirs(RclpyNode):  # type: ignore[misc] # rclpy is Any to mypy
+class Theirs(RclpyNode):  # type: ignore[misc]  # rclpy is Any to mypy
     answer: Any = CallbackReturn.SUCCESS
     error_answer: Any = CallbackReturn.SUCCESS
 

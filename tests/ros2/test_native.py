@@ -19,6 +19,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter as RosParameter
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String as RosString
+from test_msgs.action import Fibonacci
 from type_description_interfaces.srv import GetTypeDescription
 
 from rosbase.contracts.backend import BackendOptions
@@ -281,22 +282,21 @@ def test_parameters_that_a_native_callback_sets_are_checked_on_the_main_loop(
 
 
 def test_an_action_runs_beside_everything_else_and_can_be_cancelled(backend: Ros2Backend) -> None:
-    action = pytest.importorskip("test_msgs.action", reason="ros-jazzy-test-msgs").Fibonacci
     may_end = threading.Event()
 
     def execute(goal: Any) -> Any:
         while not may_end.wait(0.01):
             if goal.is_cancel_requested:
                 goal.canceled()
-                return action.Result()
+                return Fibonacci.Result()
         goal.succeed()
-        return action.Result(sequence=[goal.request.order])
+        return Fibonacci.Result(sequence=[goal.request.order])
 
     def accept(goal: Any) -> CancelResponse:
         return CancelResponse.ACCEPT
 
-    server = ActionServer(backend.node, action, "count", execute, cancel_callback=accept)
-    client = ActionClient(backend.node, action, "count")
+    server = ActionServer(backend.node, Fibonacci, "count", execute, cancel_callback=accept)
+    client = ActionClient(backend.node, Fibonacci, "count")
     assert client.wait_for_server(TIMEOUT_S)
 
     def complete(future: Any) -> Any:
@@ -304,7 +304,7 @@ def test_an_action_runs_beside_everything_else_and_can_be_cancelled(backend: Ros
         return future.result()
 
     with hearing(backend) as check:
-        first, second = (complete(client.send_goal_async(action.Goal(order=n))) for n in (1, 2))
+        first, second = (complete(client.send_goal_async(Fibonacci.Goal(order=n))) for n in (1, 2))
         check()
         assert len(complete(first.cancel_goal_async()).goals_canceling) == 1
         assert complete(first.get_result_async()).status == GoalStatus.STATUS_CANCELED

@@ -224,7 +224,7 @@ def test_a_failed_callback_is_told_within_the_process_and_logged_for_others(
 
 def test_answers_that_ros_cannot_send_are_failures(backend: Ros2Backend) -> None:
     def answer(request: Any) -> Any:
-        return Trigger.Response(True, 5)  # type: ignore[arg-type]
+        return Trigger.Response(True, 5)  # type: ignore[arg-type]  # the mistake is the test
 
     backend.create_service(Trigger, "trigger", answer)
     with pytest.raises(ServiceFailedError, match=r"^/trigger failed: TypeError: .*message"):
@@ -233,7 +233,7 @@ def test_answers_that_ros_cannot_send_are_failures(backend: Ros2Backend) -> None
 
 def test_requests_that_ros_cannot_send_are_errors(backend: Ros2Backend) -> None:
     client = backend.create_client(SetBool, "absent")
-    wrong = SetBool.Request(data="yes")  # type: ignore[arg-type]
+    wrong = SetBool.Request(data="yes")  # type: ignore[arg-type]  # the mistake is the test
     for call in (client.call, client.call_async):
         with pytest.raises(TypeError, match="data"):
             call(wrong)

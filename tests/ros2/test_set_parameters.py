@@ -172,7 +172,7 @@ def test_a_main_loop_that_does_not_come_to_it_is_a_refusal_and_nothing_is_set_la
 ) -> None:
     asked: list[list[Parameter[Any]]] = []
     backend.add_on_set_parameters_callback(
-        lambda parameters: asked.append(parameters) or SetParametersResult(True)  # type: ignore[func-returns-value]
+        lambda parameters: asked.append(parameters) or SetParametersResult(True)  # type: ignore[func-returns-value]  # `append` returns None
     )
     result = client.set("frame_id", Type.STRING, "late")
     assert not result.successful

@@ -102,12 +102,12 @@ def test_a_value_that_is_no_number_is_refused_by_the_name_of_its_field(
         (Header(Time(0, 2**32)), ValueError, "header.stamp.nanosec"),
         (Header(Time(0, -1)), ValueError, "header.stamp.nanosec"),
         (Header(Time(True, 0)), TypeError, "header.stamp.sec"),
-        (Header(Time(0, 1.0)), TypeError, "header.stamp.nanosec"),  # type: ignore[arg-type]
+        (Header(Time(0, 1.0)), TypeError, "header.stamp.nanosec"),  # type: ignore[arg-type]  # the mistake is the test
         (Header(Time(), "a\0b"), ValueError, "header.frame_id"),
         (Header(Time(), "\ud800"), ValueError, "header.frame_id"),
-        (Header(Time(), None), TypeError, "header.frame_id"),  # type: ignore[arg-type]
-        (Header(Time(), ["a"]), TypeError, "header.frame_id"),  # type: ignore[arg-type]
-        (Header(None), TypeError, "header.stamp"),  # type: ignore[arg-type]
+        (Header(Time(), None), TypeError, "header.frame_id"),  # type: ignore[arg-type]  # the mistake is the test
+        (Header(Time(), ["a"]), TypeError, "header.frame_id"),  # type: ignore[arg-type]  # the mistake is the test
+        (Header(None), TypeError, "header.stamp"),  # type: ignore[arg-type]  # the mistake is the test
         (None, TypeError, "header"),
     ],
 )
@@ -122,7 +122,7 @@ def test_a_header_that_ros_cannot_send_is_refused_in_one_line(
 def test_another_message_in_the_place_of_a_quantity_is_refused() -> None:
     write = WRITERS[Imu]
     with pytest.raises(TypeError, match=r"^Imu\.orientation takes messages of type Quaternion"):
-        write(Imu(orientation=Vector3()))  # type: ignore[arg-type]
+        write(Imu(orientation=Vector3()))  # type: ignore[arg-type]  # the mistake is the test
     for wrong in (Twist(), MagneticField(), None):
         with pytest.raises(TypeError, match=r"^Imu takes messages of type Imu, not "):
             write(wrong)
@@ -130,6 +130,6 @@ def test_another_message_in_the_place_of_a_quantity_is_refused() -> None:
 
 def test_a_covariance_of_another_size_is_refused() -> None:
     with attrs.validators.disabled():
-        imu = Imu(orientation_covariance=(1.0,) * 8)  # type: ignore[arg-type]
+        imu = Imu(orientation_covariance=(1.0,) * 8)  # type: ignore[arg-type]  # the mistake is the test
     with pytest.raises(ValueError, match=r"^Imu\.orientation_covariance takes 9 elements, not 8$"):
         WRITERS[Imu](imu)

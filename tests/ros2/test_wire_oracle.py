@@ -21,7 +21,7 @@ from support.plain_cdr import PlainCdr
 from support.ros_messages import as_ros, ros_class
 from support.wire_messages import CLASSES, Rolled, flat, made, messages_of, name_of
 
-rosbags: Any = pytest.importorskip("rosbags.typesys")
+rosbags: Any = import_module("rosbags.typesys")
 serialization: Any = import_module("rclpy.serialization")
 
 # Bytes are those of every Python.

@@ -514,7 +514,7 @@ class Dates:
         for ways in self.alternatives:
             date = self.at(payload, ways, 0)
             if date is not NOTHING:
-                return date  # type: ignore[no-any-return]
+                return date  # type: ignore[no-any-return]  # not NOTHING, so a date
         return None
 
     def several(self, payload: Any, count: int, interval: int | None) -> list[int | None]:

@@ -170,7 +170,8 @@ class Client:
             assert client.wait_for_service(TIMEOUT_S)
 
     def start(self, name: str, request: Any = None) -> Any:
-        """Sends a request; gives the future of the response."""
+        """Sends a request, once the service is there; gives the future of the response."""
+        assert self._clients[name].wait_for_service(TIMEOUT_S)
         return self._clients[name].call_async(request or self.KINDS[name].Request())
 
     def finish(self, future: Any) -> Any:

@@ -2,6 +2,7 @@
 
 import socket
 import threading
+from collections.abc import Callable
 
 __all__ = ["StallingProxy"]
 
@@ -28,8 +29,8 @@ class StallingProxy:
             thread.join(20)
         self._server.close()
 
-    def _start(self, function: "object", *arguments: socket.socket) -> None:
-        thread = threading.Thread(target=function, args=arguments)  # type: ignore[arg-type]
+    def _start(self, function: Callable[..., object], *arguments: socket.socket) -> None:
+        thread = threading.Thread(target=function, args=arguments)
         self._threads.append(thread)
         thread.start()
 

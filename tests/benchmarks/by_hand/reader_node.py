@@ -14,7 +14,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
 
-class Reader(Node):  # type: ignore[misc]
+class Reader(Node):  # type: ignore[misc]  # rclpy is Any
     """Publishes each line of a serial port."""
 
     def __init__(self, way: str, path: str) -> None:

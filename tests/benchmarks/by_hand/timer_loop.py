@@ -11,7 +11,7 @@ import rclpy
 from rclpy.node import Node
 
 
-class TimerLoop(Node):  # type: ignore[misc]
+class TimerLoop(Node):  # type: ignore[misc]  # rclpy is Any
     """Notes when it is called."""
 
     def __init__(self, rate_hz: float, warm_up: int, ticks: int) -> None:

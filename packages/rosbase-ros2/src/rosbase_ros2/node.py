@@ -29,12 +29,12 @@ from rosbase import (
     resolve_topic,
     timer_period_ns,
 )
+from rosbase.wire.values import name_of
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.courier import courier_of
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import Retirement
 from rosbase_ros2.given import given_parameters, own_first
-from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
 from rosbase_ros2.process import Process

@@ -25,10 +25,10 @@ def main() -> None:
 
 def _start_a_node() -> str:
     # Only here, so that what is missing is said. The backend brings in all messages that it sends.
-    from rclpy.utilities import get_rmw_implementation_identifier  # noqa: PLC0415
+    from rclpy.utilities import get_rmw_implementation_identifier  # noqa: PLC0415 - see above
 
-    from rosbase import BackendOptions  # noqa: PLC0415
-    from rosbase_ros2.backend import Ros2Backend  # noqa: PLC0415
+    from rosbase import BackendOptions  # noqa: PLC0415 - see above
+    from rosbase_ros2.backend import Ros2Backend  # noqa: PLC0415 - see above
 
     Ros2Backend(BackendOptions("rosbase_doctor")).close()
     name: str = get_rmw_implementation_identifier()

@@ -12,8 +12,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from rosbase.messages.fields import ros_type
 from rosbase.wire import reader, writer
+from rosbase.wire.values import name_of
 from rosbase_ros2.courier import require_same, ros_class
-from rosbase_ros2.kinds import name_of
 
 __all__ = ["ServiceCourier", "service_courier"]
 

@@ -16,7 +16,7 @@ from rosbase import (
     resolve_topic,
     service_answer,
 )
-from rosbase_ros2.kinds import name_of
+from rosbase.wire.values import name_of
 from rosbase_ros2.process import Process
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.service_client import RosClient

@@ -7,8 +7,8 @@ from rclpy.exceptions import InvalidHandle
 
 from rosbase import QueuedSubscription, RosbaseLogger, Sender, WireError
 from rosbase.wire import maker, packer
+from rosbase.wire.values import name_of
 from rosbase_ros2.courier import Courier
-from rosbase_ros2.kinds import name_of
 from rosbase_ros2.qos import queue_depth
 from rosbase_ros2.refusals import RCLError, Refusals
 

@@ -35,8 +35,8 @@ def service_answer(
 ) -> Callable[[RequestT], ResponseT]:
     """Return a function that answers a request by that callback, and checks the answer.
 
-    A callback of two parameters also gets a new `Response()`, or None if it cannot be made
-    without arguments.
+    A callback of two parameters without defaults, or of `*args`, also gets a new `Response()`, or
+    None if it cannot be made without arguments.
 
     Args:
         srv_type: Type of the service.
@@ -68,8 +68,16 @@ def _takes_two(callback: Callable[..., object]) -> bool:
     except ValueError:
         # Some builtins have none.
         return True
+    kinds = {parameter.kind for parameter in signature.parameters.values()}
+    # A second parameter with a default is the program's own, such as that of a lambda in a loop.
+    # With `*args`, as of a decorated function, it gets what rclpy would give it.
+    takes_one = _binds(signature, None) and inspect.Parameter.VAR_POSITIONAL not in kinds
+    return _binds(signature, None, None) and not takes_one
+
+
+def _binds(signature: inspect.Signature, *arguments: object) -> bool:
     try:
-        signature.bind(None, None)
+        signature.bind(*arguments)
     except TypeError:
         return False
     return True

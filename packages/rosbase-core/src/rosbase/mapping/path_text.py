@@ -146,7 +146,7 @@ def _steps(scanner: _Scanner) -> Steps:
         elif scanner.take("["):
             step = _bracket(scanner)
             if isinstance(step, Where) and steps and isinstance(steps[-1], Where):
-                step = Where(steps.pop().conditions + step.conditions)  # type: ignore[union-attr]
+                step = Where(steps.pop().conditions + step.conditions)  # type: ignore[union-attr]  # as has just been seen
             steps.append(step)
         else:
             return tuple(steps)

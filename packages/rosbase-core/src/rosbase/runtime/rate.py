@@ -81,7 +81,7 @@ def _is_rate(value: object) -> bool:
     if isinstance(value, str):
         return False
     try:
-        return 0.0 < float(value) < float("inf")  # type: ignore[arg-type]
+        return 0.0 < float(value) < float("inf")  # type: ignore[arg-type]  # or TypeError
     except (TypeError, ValueError, OverflowError):
         return False
 

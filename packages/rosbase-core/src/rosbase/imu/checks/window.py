@@ -38,7 +38,7 @@ class Window(NamedTuple):
 def summarise(samples: list[Sample], began_ns: int, ended_ns: int) -> Window:
     """Return the window of samples, each of which has an acceleration."""
     # One pass each in C: this is done for every sample, if not at every sample.
-    norms = [hypot(*sample[2]) for sample in samples]  # type: ignore[misc]
+    norms = [hypot(*sample[2]) for sample in samples]  # type: ignore[misc]  # has one
     norm = sum(norms) / len(norms)
     variance = sum([one * one for one in norms]) / len(norms) - norm * norm
     return Window(samples, norm, max(0.0, variance) ** 0.5, began_ns, ended_ns)

@@ -175,7 +175,7 @@ class CallChecks(TransportAuthor):
             if ending == "close":
                 bench.wait_until(
                     # mypy does not infer what a default of a lambda is.
-                    lambda made=transport: made.state is TransportState.CLOSED,  # type: ignore[misc]
+                    lambda made=transport: made.state is TransportState.CLOSED,  # type: ignore[misc]  # mypy infers no default of a lambda
                     "health.state to be CLOSED after a close from within on_frame",
                 )
             bench.prove(peer, transport)

@@ -30,7 +30,7 @@ class ResourceChecks(TransportAuthor):
                 live()
             bench.wait_until(
                 # mypy does not infer what a default of a lambda is.
-                lambda before=before: len(threads()) <= before,  # type: ignore[misc]
+                lambda before=before: len(threads()) <= before,  # type: ignore[misc]  # mypy infers no default of a lambda
                 f"the end of threads after close; it was {name}",
                 self.end_limit_s,
             )
@@ -44,7 +44,7 @@ class ResourceChecks(TransportAuthor):
             for _ in range(self._times):
                 live()
             bench.wait_until(
-                lambda before=before: descriptors() <= before,  # type: ignore[misc]  # as above
+                lambda before=before: descriptors() <= before,  # type: ignore[misc]  # mypy infers no default of a lambda  # as above
                 f"descriptors after {self._times} times to be {before}, as after one; "
                 f"it was {name}",
                 self.end_limit_s,
