@@ -2,7 +2,8 @@
 
 `nox -s bench` runs it and prints a table. Each row is a process of its own that reads the same
 lines from a pseudo-terminal. The rows take turns; the medians of the turns count, and of ratios,
-those of the turn's own. What a start costs, imports included, is a column of its own.
+those of the turn's own. What a start costs, imports included, is a column of its own: modules are
+compiled before, as `pip install` leaves them.
 
 - naive: pyserial `readline`, `json.loads`, fill a message, call a function
 - careful: the same with chunks of what has arrived instead of `readline`
@@ -12,14 +13,17 @@ those of the turn's own. What a start costs, imports included, is a column of it
 """
 
 import json
+import os
 import queue
 import resource
 import statistics
 import subprocess
 import sys
+import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from benchmarks.rig.turns import ratio, take_turns
 from imu_serial.simulator import PtyDevice
@@ -196,10 +200,22 @@ def measure_flood(name: str) -> float:
     return measure(name, FLOOD_LINES if name != "naive" else FLOOD_LINES // 20, None)[2]
 
 
+@contextmanager
+def compiled_modules() -> Iterator[None]:
+    """Lets the rows find their modules compiled, wherever they are installed."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["PYTHONPYCACHEPREFIX"] = folder
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+        for name in READERS:
+            measure(name, 10, PACED_HZ)
+        yield
+
+
 def main() -> None:
     """Prints the table."""
-    paced = take_turns(measure_paced, READERS, TURNS)
-    rate = take_turns(measure_flood, READERS, TURNS // 3)
+    with compiled_modules():
+        paced = take_turns(measure_paced, READERS, TURNS)
+        rate = take_turns(measure_flood, READERS, TURNS // 3)
     cpu = {name: [us for _, us in turns] for name, turns in paced.items()}
     others = ("careful", "careful, handed over")
     print(

@@ -285,9 +285,4 @@ class NodeConnection(ABC):
         # Most programs prepare none, and need not import it.
         from rosbase.wire import maker
 
-        make, publish = maker(template, varying), publisher.publish
-
-        def send(*values: Any) -> object:
-            return publish(make(*values))
-
-        return send
+        return maker(template, varying, publisher.publish)

@@ -107,6 +107,11 @@ class ImuMapping:
     quaternion_tolerance: float = 0.05
     """Maximum deviation of an orientation's norm from 1."""
 
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Quantities that have paths."""
+        return tuple(group for group in GROUPS if getattr(self, f"{group}_paths"))
+
     def compile(self, *, device_time: bool = False) -> SampleReader:
         """Return the function that reads a frame. With `device_time` it reads the date as well.
 

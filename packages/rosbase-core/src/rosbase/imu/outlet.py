@@ -1,6 +1,6 @@
 """Publish samples on the three topics of REP-145, with their stamps, and count the outcomes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, TypeAlias
 
 from rosbase.contracts.node_connection import Sender
@@ -20,7 +20,10 @@ from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 
 __all__ = ["VARYING", "Outlet", "Publishers"]
 
-VARYING = ("header.stamp", "orientation", "angular_velocity", "linear_acceleration")
+_MEASURED = ("orientation", "angular_velocity", "linear_acceleration")
+"""Quantities of an Imu, in the order of `_Absent`."""
+
+VARYING = ("header.stamp", *_MEASURED)
 """Fields of an Imu that differ from one sample to the next."""
 
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)
@@ -56,8 +59,9 @@ class Outlet:
         frame_id: str,
         covariances: Mapping[str, Covariance],
         counts: Counts,
+        mapped: Collection[str],
     ) -> None:
-        """Take the arguments; prepare nothing yet.
+        """Prepare the sender of samples that lack nothing; others when the first one comes.
 
         Args:
             publishers: Publishers of the three topics.
@@ -65,6 +69,7 @@ class Outlet:
             frame_id: Frame of all messages.
             covariances: Covariance of each quantity, where it is reported.
             counts: Counts the outcome of each sample.
+            mapped: Quantities that a sample may have.
         """
         self._publishers = publishers
         self._prepare = prepare
@@ -74,6 +79,10 @@ class Outlet:
         self._senders: dict[_Absent, Sender] = {}
         # All three are enabled together.
         self._gate = publishers.data
+        orientation, angular, linear = (name not in mapped for name in _MEASURED)
+        if not (orientation and angular and linear):
+            # Not while the first sample waits for it.
+            self._prepare_sender((orientation, angular, linear))
 
     def publish(self, sample: Sample, stamp_ns: int) -> bool:
         """Publish the quantities of the sample, and count it; return whether it was published.
@@ -112,10 +121,9 @@ class Outlet:
         return self._publishers.mag.publish(MagneticField(header, Vector3(*field), covariance))
 
     def _prepare_sender(self, absent: _Absent) -> Sender:
-        names = ("orientation", "angular_velocity", "linear_acceleration")
         turned, rate, force = (
             COVARIANCE_NOT_REPORTED if is_absent else self._covariances[name]
-            for name, is_absent in zip(names, absent, strict=True)
+            for name, is_absent in zip(_MEASURED, absent, strict=True)
         )
         template = Imu(
             header=Header(frame_id=self._frame_id),

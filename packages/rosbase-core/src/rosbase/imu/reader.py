@@ -247,6 +247,7 @@ class ImuReader(LifecycleNode):
             settings.frame_id,
             settings.covariances,
             self._counts,
+            settings.mapping.groups,
         )
 
     def _stop_reading(self) -> None:

@@ -1,26 +1,27 @@
 """The `local` backend: topics, services, timers and parameters within one process."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.node_connection import NodeConnection
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
-from rosbase.contracts.service_callback import check_service_type, service_answer
-from rosbase.contracts.service_server import ServiceServer
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
 from rosbase.local.node import LocalNode
-from rosbase.local.service_client import LocalClient
 from rosbase.local.service_registry import type_name
 from rosbase.local.standard.offers import StandardOffers
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
+
+if TYPE_CHECKING:
+    from rosbase.contracts.service_server import ServiceServer
+    from rosbase.local.service_client import LocalClient
 
 __all__ = ["LocalBackend"]
 
@@ -98,6 +99,10 @@ class LocalBackend(Backend):
         callback: ServiceCallback[RequestT, ResponseT],
     ) -> Service:
         """Create a service; in one process, each has a name of its own."""
+        # Most programs have no service of their own.
+        from rosbase.contracts.service_callback import check_service_type, service_answer
+        from rosbase.contracts.service_server import ServiceServer
+
         check_service_type(srv_type, srv_name)
         name = self._check(srv_name, "service")
         answer = service_answer(srv_type, name, callback)
@@ -110,6 +115,9 @@ class LocalBackend(Backend):
         self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str
     ) -> Client[RequestT, ResponseT]:
         """Create a client of a service."""
+        from rosbase.contracts.service_callback import check_service_type
+        from rosbase.local.service_client import LocalClient
+
         check_service_type(srv_type, srv_name)
         name, services = self._check(srv_name, "service"), self._bus.services
         client = LocalClient(srv_type, name, self.executor, services)

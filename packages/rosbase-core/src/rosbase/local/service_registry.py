@@ -9,8 +9,6 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from attrs import define, field
-
 from rosbase.contracts.service_server import ServiceRequest
 from rosbase.errors import BackendError, ServiceFailedError
 from rosbase.local.service_interfaces import Provider, ServiceLinkEnd, StandardServices
@@ -19,15 +17,17 @@ from rosbase.local.standard.known import KnownServices, names_of
 __all__ = ["ServiceRegistry", "type_name"]
 
 
-@define(eq=False)
 class _Service:
     """A service: its providers, its clients, and requests that wait for a provider."""
 
-    type_name: str
-    # Those of this process first.
-    providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
-    clients: tuple[Callable[[], object], ...] = ()
-    waiting: deque[ServiceRequest] = field(factory=deque)
+    __slots__ = ("clients", "providers", "type_name", "waiting")
+
+    def __init__(self, type_name: str) -> None:
+        self.type_name = type_name
+        # Those of this process first.
+        self.providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
+        self.clients: tuple[Callable[[], object], ...] = ()
+        self.waiting: deque[ServiceRequest] = deque()
 
     def provider_for(self, asking: ServiceLinkEnd | None) -> Provider | None:
         """Return the first that is not on the side of the process that asks."""

@@ -9,30 +9,17 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, Protocol, TypeAlias
 
-from attrs import Attribute, field, frozen
+from attrs import Attribute, field
 
+from rosbase.messages.marks import Fixed, Numbers
 from rosbase.messages.pickling import make_picklable
 from rosbase.messages.widths import TYPECODES, Width, is_of
 
-__all__ = ["Buffer", "Fixed", "Numbers", "numbers", "protect_buffers"]
+__all__ = ["Buffer", "numbers", "protect_buffers"]
 
 _MARK = "rosbase.buffer"
 # What numpy calls them; a byte of ROS has no sign.
 _NUMPY_NAMES = {Width.BYTE: "uint8", Width.CHAR: "uint8"}
-
-
-@frozen
-class Fixed:
-    """An array of that many elements; in the annotation of a tuple or a buffer."""
-
-    size: int
-
-
-@frozen
-class Numbers:
-    """A buffer of numbers of that width."""
-
-    width: Width
 
 
 class NumpyArray(Protocol):

@@ -9,9 +9,10 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Annotated, Any, TypeAlias, TypeVar
 
-from attrs import Attribute, field, frozen
+from attrs import Attribute, field
 
-from rosbase.messages.buffers import Buffer, Fixed, Numbers, numbers, protect_buffers
+from rosbase.messages.buffers import Buffer, numbers, protect_buffers
+from rosbase.messages.marks import AtMost, Fixed, Numbers
 from rosbase.messages.widths import Width
 
 __all__ = [
@@ -44,13 +45,6 @@ __all__ = [
 ClassT = TypeVar("ClassT", bound=type)
 
 _ROS_TYPE = "__ros_type__"
-
-
-@frozen
-class AtMost:
-    """A sequence or a text of at most that many elements or bytes."""
-
-    size: int
 
 
 # The one of every frozen class of attrs.

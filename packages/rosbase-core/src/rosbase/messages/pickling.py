@@ -1,6 +1,5 @@
 """Pickle messages with buffers: pickle refuses a memoryview, and makes numpy arrays writable."""
 
-import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -46,9 +45,12 @@ class _Pickled:
         self._arguments = arguments
 
     def __reduce_ex__(self, protocol: Any) -> Any:
+        # Whoever pickles has imported it, and most programs never do.
+        from pickle import PickleBuffer  # noqa: PLC0415 - as said
+
         first, *rest = self._arguments
         if isinstance(first, memoryview):
-            first = pickle.PickleBuffer(first) if protocol >= 5 else first.tobytes()
+            first = PickleBuffer(first) if protocol >= 5 else first.tobytes()
         return self._restore, (first, *rest)
 
 

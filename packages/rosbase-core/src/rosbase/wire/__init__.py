@@ -1,16 +1,39 @@
 """Messages as bytes, without ROS: CDR, schemas, type hashes.
 
-Everything is compiled or computed once for a message class, at its first use.
+Everything is compiled or computed once for a message class, at its first use. Each function is
+imported when it is used, because most programs need one or two of them.
 """
 
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING
 
-from rosbase.wire.description import MessageType, describe
-from rosbase.wire.prepared import maker, packer
-from rosbase.wire.reader import reader
-from rosbase.wire.schema import schema
-from rosbase.wire.type_hash import dds_type_name, type_hash
-from rosbase.wire.writer import writer
+from rosbase.messages.lazy import names_of, on_demand
+
+if TYPE_CHECKING:
+    from rosbase.wire.description import MessageType, describe
+    from rosbase.wire.making import maker
+    from rosbase.wire.packing import packer
+    from rosbase.wire.reading import deserialize, reader
+    from rosbase.wire.schema_text import schema
+    from rosbase.wire.type_names import dds_type_name, type_hash
+    from rosbase.wire.writing import serialize, writer
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "MessageType": "description",
+            "dds_type_name": "type_names",
+            "describe": "description",
+            "deserialize": "reading",
+            "maker": "making",
+            "packer": "packing",
+            "reader": "reading",
+            "schema": "schema_text",
+            "serialize": "writing",
+            "type_hash": "type_names",
+            "writer": "writing",
+        },
+        __name__,
+    )
 
 __all__ = [
     "MessageType",
@@ -26,25 +49,4 @@ __all__ = [
     "writer",
 ]
 
-MessageT = TypeVar("MessageT")
-
-
-def serialize(message: Any) -> bytes:
-    """Return a message as CDR, as `rclpy.serialization.serialize_message` does.
-
-    Raises:
-        TypeError: It is no message, or a field has a value of the wrong kind; the text names it.
-        ValueError: A value is out of the range of its field; the text names it.
-    """
-    return writer(type(message))(message)
-
-
-def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
-    """Return the message of that class in CDR of either byte order.
-
-    Raises:
-        TypeError: The class is no message.
-        WireError: The bytes are no such message.
-    """
-    message: MessageT = reader(message_type)(data)
-    return message
+__dir__ = names_of(__all__)

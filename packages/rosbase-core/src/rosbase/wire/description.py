@@ -1,6 +1,5 @@
 """The description of a message class: its ROS name and its fields, from their annotations."""
 
-import dataclasses
 import typing
 from collections.abc import Iterator
 from enum import Enum
@@ -100,6 +99,9 @@ def _declared(cls: Any) -> list[tuple[Any, str]]:
     """Return the fields of an attrs class or a dataclass, with their names in the constructor."""
     if attrs.has(cls):
         return [(one, one.alias) for one in attrs.fields(cls) if one.init]
+    # Whoever has made a dataclass has imported it, and most programs never do.
+    import dataclasses  # noqa: PLC0415 - as said
+
     return [(one, one.name) for one in dataclasses.fields(cls) if one.init]
 
 

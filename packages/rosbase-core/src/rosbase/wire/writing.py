@@ -25,7 +25,7 @@ from rosbase.wire.pieces import (
 )
 from rosbase.wire.source import Source
 
-__all__ = ["writer"]
+__all__ = ["serialize", "writer"]
 
 _UNUSUAL = (
     UnusualError,
@@ -63,6 +63,16 @@ def writer(cls: type) -> Callable[[Any], bytes]:
         return b"".join(parts)
 
     return write
+
+
+def serialize(message: Any) -> bytes:
+    """Return a message as CDR, as `rclpy.serialization.serialize_message` does.
+
+    Raises:
+        TypeError: It is no message, or a field has a value of the wrong kind; the text names it.
+        ValueError: A value is out of the range of its field; the text names it.
+    """
+    return writer(type(message))(message)
 
 
 @functools.cache

@@ -3,7 +3,7 @@
 import functools
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import attrs
 
@@ -15,7 +15,9 @@ from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import WIDE_SIZE, read_numbers, read_text, read_view, read_wide_text
 from rosbase.wire.source import Source
 
-__all__ = ["reader"]
+__all__ = ["deserialize", "reader"]
+
+MessageT = TypeVar("MessageT")
 
 _OUR_OWN = "rosbase.messages."
 _HEADER_SIZE = 4
@@ -51,6 +53,17 @@ def reader(cls: type) -> Callable[[bytes], Any]:
             raise WireError(f"{own.name}: {error}") from None
 
     return read
+
+
+def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
+    """Return the message of that class in CDR of either byte order.
+
+    Raises:
+        TypeError: The class is no message.
+        WireError: The bytes are no such message.
+    """
+    message: MessageT = reader(message_type)(data)
+    return message
 
 
 @functools.cache

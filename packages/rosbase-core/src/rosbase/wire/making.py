@@ -1,0 +1,93 @@
+"""Make messages of which only some numbers vary: everything else is prepared once."""
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.source import Source
+from rosbase.wire.varying import TIMES, arguments_of
+
+__all__ = ["maker"]
+
+
+def maker(
+    template: Any, varying: Sequence[str], finish: Callable[[Any], Any] | None = None
+) -> Callable[..., Any]:
+    """Return a function that makes messages like the template, of the values of varying fields.
+
+    It checks no value. That of a time or a duration is its nanoseconds, that of a message of
+    numbers or an array is a sequence of its numbers, and that of a number is the number.
+
+    Args:
+        template: All that does not vary.
+        varying: Paths of the fields that vary, such as `header.stamp` or `orientation`.
+        finish: Called with each message, if given; the function returns its result.
+
+    Raises:
+        TypeError: The template is no message.
+        ValueError: A path leads to no numbers; the text names it.
+    """
+    own = describe(type(template))
+    arguments = arguments_of(own, varying)
+    source = Source(f"make({', '.join(arguments.values())})")
+    made = _expression(source, own, template, "", arguments)
+    # One function instead of two, because a call costs a fiftieth of a sample.
+    if finish is not None:
+        made = f"{source.name_of(finish, 'finish')}({made})"
+    source.line(f"return {made}")
+    return source.compile()
+
+
+def _expression(
+    source: Source, of: MessageType, template: Any, prefix: str, arguments: dict[str, str]
+) -> str:
+    kind = source.name_of(of.cls, "kind")
+    parts = []
+    for one in of.fields:
+        path, value = f"{prefix}{one.name}", getattr(template, one.name)
+        if path in arguments:
+            made = _value_made(source, one, arguments[path])
+        elif any(varying.startswith(f"{path}.") for varying in arguments):
+            assert isinstance(one.element, MessageType)
+            made = _expression(source, one.element, value, f"{path}.", arguments)
+        else:
+            made = source.name_of(value, "fixed")
+        parts.append(_argument(one, made))
+    return f"{kind}({', '.join(parts)})"
+
+
+def _value_made(source: Source, one: Field, argument: str) -> str:
+    """Return the expression that makes the value of a varying field."""
+    if not isinstance(one.element, MessageType):
+        return argument if one.kind is Kind.ONE else f"tuple({argument})"
+    kind = source.name_of(one.element.cls, "kind")
+    if one.element.name in TIMES:
+        return f"{kind}.from_nanoseconds({argument})"
+    if all(_is_number(inner) for inner in one.element.fields):
+        return f"{kind}(*{argument})"
+    return _message_made(source, one.element, argument, itertools.count())
+
+
+def _argument(one: Field, value: str) -> str:
+    # A call with names costs more.
+    return f"{one.alias}={value}" if one.is_keyword else value
+
+
+def _is_number(one: Field) -> bool:
+    return one.kind is Kind.ONE and not isinstance(one.element, MessageType)
+
+
+def _message_made(source: Source, of: MessageType, argument: str, next_: Iterator[int]) -> str:
+    """Return the expression that makes a message of the next numbers of the argument."""
+    parts = []
+    for one in of.fields:
+        if isinstance(one.element, MessageType):
+            value = _message_made(source, one.element, argument, next_)
+        elif one.kind is Kind.ONE:
+            value = f"{argument}[{next(next_)}]"
+        else:
+            first, *_ = (next(next_) for _ in range(one.size))
+            value = f"tuple({argument}[{first}:{first + one.size}])"
+        parts.append(_argument(one, value))
+    return f"{source.name_of(of.cls, 'kind')}({', '.join(parts)})"
