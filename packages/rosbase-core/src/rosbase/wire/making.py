@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.filling import can_be_filled, filled
 from rosbase.wire.source import Source
-from rosbase.wire.varying import TIMES, arguments_of
+from rosbase.wire.varying import NS_PER_S, TIMES, arguments_of
 
 __all__ = ["maker"]
 
@@ -42,31 +43,50 @@ def maker(
 def _expression(
     source: Source, of: MessageType, template: Any, prefix: str, arguments: dict[str, str]
 ) -> str:
-    kind = source.name_of(of.cls, "kind")
     parts = []
+    # Those of an array may be too few or too many.
+    must_check = False
     for one in of.fields:
         path, value = f"{prefix}{one.name}", getattr(template, one.name)
         if path in arguments:
+            must_check = must_check or one.kind is Kind.ARRAY
             made = _value_made(source, one, arguments[path])
         elif any(varying.startswith(f"{path}.") for varying in arguments):
             assert isinstance(one.element, MessageType)
             made = _expression(source, one.element, value, f"{path}.", arguments)
         else:
             made = source.name_of(value, "fixed")
-        parts.append(_argument(one, made))
-    return f"{kind}({', '.join(parts)})"
+        parts.append((one, made))
+    return _made(source, of, parts, must_check=must_check)
+
+
+def _made(
+    source: Source, of: MessageType, parts: list[tuple[Field, str]], *, must_check: bool = False
+) -> str:
+    """Return the expression of a message of these values, after lines that prepare it."""
+    if must_check or not can_be_filled(of):
+        kind = source.name_of(of.cls, "kind")
+        return f"{kind}({', '.join(_argument(one, value) for one, value in parts)})"
+    made, lines = filled(source, of, parts)
+    for line in lines:
+        source.line(line)
+    return made
 
 
 def _value_made(source: Source, one: Field, argument: str) -> str:
     """Return the expression that makes the value of a varying field."""
-    if not isinstance(one.element, MessageType):
+    of = one.element
+    if not isinstance(of, MessageType):
         return argument if one.kind is Kind.ONE else f"tuple({argument})"
-    kind = source.name_of(one.element.cls, "kind")
-    if one.element.name in TIMES:
-        return f"{kind}.from_nanoseconds({argument})"
-    if all(_is_number(inner) for inner in one.element.fields):
-        return f"{kind}(*{argument})"
-    return _message_made(source, one.element, argument, itertools.count())
+    is_time = of.name in TIMES and can_be_filled(of)
+    if of.name in TIMES and not is_time:
+        return f"{source.name_of(of.cls, 'kind')}.from_nanoseconds({argument})"
+    if is_time or all(_is_number(inner) for inner in of.fields):
+        numbers = f"divmod({argument}, {NS_PER_S})" if is_time else argument
+        names = [source.new("number") for _ in of.fields]
+        source.line(f"{', '.join(names)}, = {numbers}")
+        return _made(source, of, list(zip(of.fields, names, strict=True)))
+    return _message_made(source, of, argument, itertools.count())
 
 
 def _argument(one: Field, value: str) -> str:

@@ -11,12 +11,10 @@ from rosbase.wire.cdr import HEADER, SIZES
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.pieces import text_of, wide_text_of
 from rosbase.wire.source import Source
-from rosbase.wire.varying import TIMES, arguments_of, is_within, kind_of
+from rosbase.wire.varying import NS_PER_S, TIMES, arguments_of, is_within, kind_of
 from rosbase.wire.writing import writer
 
 __all__ = ["packer"]
-
-_NS_PER_S = 1_000_000_000
 
 
 def packer(template: Any, varying: Sequence[str]) -> Callable[..., bytes]:
@@ -35,7 +33,7 @@ def packer(template: Any, varying: Sequence[str]) -> Callable[..., bytes]:
     form, values, end = "<", [], 0
     for path, argument in arguments.items():
         if kind_of(own, path) in TIMES:
-            source.line(f"{argument}_s, {argument}_n = divmod({argument}, {_NS_PER_S})")
+            source.line(f"{argument}_s, {argument}_n = divmod({argument}, {NS_PER_S})")
     for leaf in layout.leaves:
         found = next((path for path in arguments if is_within(leaf.path, path)), None)
         if found is None:

@@ -5,12 +5,11 @@ import struct
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import attrs
-
 from rosbase.errors import WireError
 from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe
+from rosbase.wire.filling import can_be_filled, filled
 from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import WIDE_SIZE, read_numbers, read_text, read_view, read_wide_text
 from rosbase.wire.source import Source
@@ -19,7 +18,6 @@ __all__ = ["deserialize", "reader"]
 
 MessageT = TypeVar("MessageT")
 
-_OUR_OWN = "rosbase.messages."
 _HEADER_SIZE = 4
 
 
@@ -215,26 +213,13 @@ class _Body:
 
     def _make(self, of: MessageType, found: "list[tuple[Field, _Later]]") -> str:
         """Return the variable of a message, after the lines that make it."""
-        source, made = self._source, self._source.new("made")
-        kind = source.name_of(of.cls, "kind")
+        source = self._source
         values = [(one, value()) for one, value in found]
-        if _can_be_filled(of):
-            # What has been read has the right types: no constructor, which would check them.
-            self.building.append(f"{made} = {source.name_of(object.__new__, 'new')}({kind})")
-            for one, value in values:
-                put = source.name_of(getattr(of.cls, one.name).__set__, "put")
-                self.building.append(f"{put}({made}, {value})")
+        if can_be_filled(of):
+            made, lines = filled(source, of, values)
+            self.building += lines
         else:
+            made, kind = source.new("made"), source.name_of(of.cls, "kind")
             arguments = ", ".join(f"{one.alias}={value}" for one, value in values)
             self.building.append(f"{made} = {kind}({arguments})")
         return made
-
-
-def _can_be_filled(of: MessageType) -> bool:
-    """Return whether a class is one of ours, whose slots are all there is to its instances."""
-    return (
-        of.cls.__module__.startswith(_OUR_OWN)
-        and attrs.has(of.cls)
-        and not hasattr(of.cls, "__attrs_post_init__")
-        and all(hasattr(getattr(of.cls, one.name, None), "__set__") for one in of.fields)
-    )

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.description import Field, Kind, MessageType
 
-__all__ = ["TIMES", "arguments_of", "is_within", "kind_of"]
+__all__ = ["NS_PER_S", "TIMES", "arguments_of", "is_within", "kind_of"]
 
+NS_PER_S = 1_000_000_000
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 """Messages whose value is a number of nanoseconds."""
 
