@@ -1,8 +1,11 @@
 """Times and durations can be computed with and compared, as those of rclpy."""
 
 import pickle
+import sys
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -120,3 +123,47 @@ def test_they_are_sorted_used_as_keys_pickled_and_cannot_be_changed() -> None:
     assert repr(-Duration(0, 1)) == "Duration(sec=-1, nanosec=999999999)"
     assert Time(1).to_msg() is not None
     assert Duration(3).to_msg() == Duration(3)
+
+
+@given(raw, raw)
+def test_the_numbers_of_numpy_never_overflow(a: tuple[int, int], b: tuple[int, int]) -> None:
+    kinds: list[Any] = [Time, Duration]
+    for kind in kinds:
+        own, other = kind(*a), kind(*b)
+        theirs = kind(np.int32(a[0]), np.uint32(a[1]))
+        wide = kind(np.int64(a[0]), np.int64(a[1]))
+        for same in (theirs, wide):
+            assert type(same.nanoseconds) is int
+            assert same.nanoseconds == own.nanoseconds
+            assert same == own
+            assert hash(same) == hash(own)
+            assert other - same == other - own
+            assert same - other == own - other
+            assert (same < other) == (own < other)
+            assert (same.to_msg().sec, same.to_msg().nanosec) == a
+
+
+def test_fractions_of_a_second_are_refused_when_they_are_computed_with() -> None:
+    for kind in (Time, Duration):
+        wrong: Any = kind(1.5)  # type: ignore[arg-type]
+        with pytest.raises(TypeError):
+            wrong.nanoseconds  # noqa: B018
+
+
+def test_to_msg_returns_the_object_itself_until_the_program_has_loaded_messages_of_ros(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delitem(sys.modules, "builtin_interfaces.msg", raising=False)
+    for own in (Time(1, 2), Duration(1, 2)):
+        assert own.to_msg() is own
+
+    def make(name: str) -> Any:
+        return lambda **fields: (name, fields)
+
+    ros = SimpleNamespace(Time=make("Time"), Duration=make("Duration"))
+    monkeypatch.setitem(sys.modules, "builtin_interfaces.msg", ros)
+    assert Time(1, 2).to_msg() == ("Time", {"sec": 1, "nanosec": 2})
+    assert (Time(3) - Time(1)).to_msg() == ("Duration", {"sec": 2, "nanosec": 0})
+    # While another thread imports them.
+    monkeypatch.setitem(sys.modules, "builtin_interfaces.msg", SimpleNamespace())
+    assert Time(1, 2).to_msg() == Time(1, 2)
