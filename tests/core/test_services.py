@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
+import attrs
 import pytest
 
 from rosbase import (
@@ -194,8 +195,8 @@ def test_a_request_of_another_class_is_an_error_that_names_both(backend: LocalBa
             call("five")  # type: ignore[arg-type]  # the mistake is the test
 
 
-@pytest.mark.parametrize("wrong", [-1.0, float("nan")])
-def test_a_timeout_that_is_no_duration_is_an_error(backend: LocalBackend, wrong: float) -> None:
+@pytest.mark.parametrize("wrong", [-1.0, float("nan"), None, "1"])
+def test_a_timeout_that_is_no_duration_is_an_error(backend: LocalBackend, wrong: Any) -> None:
     client = backend.create_client(Double, "double")
     for wait in (
         lambda: client.call(Double.Request(), wrong),
@@ -204,6 +205,80 @@ def test_a_timeout_that_is_no_duration_is_an_error(backend: LocalBackend, wrong:
     ):
         with pytest.raises(ValueError, match="seconds from 0 up"):
             wait()
+
+
+# What can be changed.
+
+
+@attrs.define
+class Pad:
+    texts: list[str] = attrs.field(factory=list)
+
+
+class Write:
+    """A type of requests and answers that can be changed, as those of ROS."""
+
+    Request, Response = Pad, Pad
+
+
+def test_one_request_that_is_changed_after_each_call_arrives_as_it_was_each_time(
+    backend: LocalBackend,
+) -> None:
+    got: list[list[str]] = []
+
+    def answer(request: Pad) -> Pad:
+        got.append(request.texts)
+        return Pad()
+
+    client = backend.create_client(Write, "write")
+    request = Pad()
+    # The first three wait for the service, the others for the thread that spins.
+    for text in "abcdef":
+        if text == "d":
+            backend.create_service(Write, "write", answer)
+        request.texts.append(text)
+        future = client.call_async(request)
+    backend.spin_until(backend.clock.monotonic_ns() + 1_000_000_000, future.done)
+    assert ["".join(texts) for texts in got] == ["a", "ab", "abc", "abcd", "abcde", "abcdef"]
+
+
+def test_one_response_that_a_service_fills_again_is_another_for_each_caller(
+    backend: LocalBackend,
+) -> None:
+    kept = Pad()
+
+    def answer(request: Pad) -> Pad:
+        kept.texts += request.texts
+        return kept
+
+    backend.create_service(Write, "write", answer)
+    client = backend.create_client(Write, "write")
+    answers = [client.call(Pad([text])) for text in "ab"]
+    assert [one.texts for one in answers] == [["a"], ["a", "b"]]
+    answers[1].texts.clear()
+    assert kept.texts == ["a", "b"]
+
+
+def test_a_frozen_request_is_not_copied(backend: LocalBackend) -> None:
+    got: list[Double.Request] = []
+
+    def answer(request: Double.Request) -> Double.Response:
+        got.append(request)
+        return double(request)
+
+    backend.create_service(Double, "double", answer)
+    request = Double.Request(3)
+    backend.create_client(Double, "double").call(request)
+    assert got[0] is request
+
+
+def test_a_request_that_cannot_be_copied_is_an_error_of_its_caller(backend: LocalBackend) -> None:
+    backend.create_service(Write, "write", lambda request: request)
+    client = backend.create_client(Write, "write")
+    wrong: Any = Pad([threading.Lock()])  # type: ignore[list-item]
+    for call in (client.call, client.call_async):
+        with pytest.raises(TypeError, match="cannot pickle"):
+            call(wrong)
 
 
 # Failures.
@@ -238,6 +313,62 @@ def test_a_slow_service_is_an_error_at_its_timeout_and_its_answer_is_counted(
         may_answer.set()
         wait_until(lambda: client.dropped == 1, "the late answer")
         assert client.call(Double.Request(4)).number == 8
+
+
+def slow(backend: LocalBackend, takes_s: float) -> Callable[[Double.Request], Double.Response]:
+    """A callback that takes some virtual time."""
+
+    def answer(request: Double.Request) -> Double.Response:
+        backend.clock.sleep(takes_s)  # type: ignore[attr-defined]  # a manual one
+        return double(request)
+
+    return answer
+
+
+@pytest.mark.parametrize("takes_s", [0.5, 0.100001])
+def test_a_service_of_the_same_program_that_takes_longer_than_the_timeout_is_an_error(
+    backend: LocalBackend, takes_s: float
+) -> None:
+    backend.create_service(Double, "double", slow(backend, takes_s))
+    client = backend.create_client(Double, "double")
+    error = fails(lambda: client.call(Double.Request(1), timeout_s=0.1))
+    assert isinstance(error, ServiceTimeoutError)
+    assert str(error) == "/double: no answer after 0.1 s"
+    assert client.dropped == 1
+    assert client.call(Double.Request(1), timeout_s=takes_s).number == 2
+
+
+def test_an_answer_within_another_wait_is_late_as_well(backend: LocalBackend) -> None:
+    backend.create_service(Double, "double", slow(backend, 0.5))
+    client = backend.create_client(Double, "double")
+    future = client.call_async(Double.Request(1), timeout_s=0.05)
+    # No timer runs meanwhile.
+    fails(lambda: ask(backend, "absent", timeout_s=1.0))
+    assert isinstance(future.exception(), ServiceTimeoutError)
+    assert client.dropped == 1
+
+
+def test_a_failure_after_the_timeout_is_a_timeout(backend: LocalBackend) -> None:
+    def answer(request: Double.Request) -> Double.Response:
+        backend.clock.sleep(0.5)  # type: ignore[attr-defined]  # a manual one
+        raise ArithmeticError
+
+    backend.create_service(Double, "double", answer)
+    assert isinstance(fails(lambda: ask(backend, "double", timeout_s=0.1)), ServiceTimeoutError)
+
+
+def test_an_answer_after_the_time_of_the_outer_call_is_late(backend: LocalBackend) -> None:
+    backend.create_service(Double, "slow", slow(backend, 0.5))
+    seen: list[ServiceError] = []
+
+    def answer(request: Double.Request) -> Double.Response:
+        seen.append(fails(lambda: ask(backend, "slow", timeout_s=5.0)))
+        return double(request)
+
+    backend.create_service(Double, "outer", answer)
+    assert isinstance(fails(lambda: ask(backend, "outer", timeout_s=0.1)), ServiceTimeoutError)
+    text = "no answer after 0.1 s, all that was left of the call that waits for this one"
+    assert [str(error) for error in seen] == [f"/slow: {text}"]
 
 
 def test_a_service_that_raises_is_an_error_for_the_caller_and_in_the_log(
@@ -326,8 +457,12 @@ def test_ended_calls_to_an_absent_service_are_not_kept(backend: LocalBackend) ->
     for _ in range(100):
         client.call_async(Double.Request(), timeout_s=0.1)
         backend.spin_once(0.2)
-    client.call_async(Double.Request())
-    assert len(backend._bus.services._services["/double"].waiting) == 1
+    assert len(backend._bus.services._services["/double"].waiting) <= 16
+    # Behind one that never ends, too.
+    client.call_async(Double.Request(), timeout_s=float("inf"))
+    for _ in range(1000):
+        client.call_async(Double.Request()).cancel()
+    assert len(backend._bus.services._services["/double"].waiting) <= 32
 
 
 def test_a_circle_of_services_is_an_error(backend: LocalBackend) -> None:
@@ -489,6 +624,44 @@ def test_wait_for_service_within_a_call_ends_with_it(backend: LocalBackend) -> N
     assert backend.clock.monotonic_ns() == 1_000_000_000
 
 
+def test_a_wait_for_a_service_leaves_the_services_that_run_meanwhile_all_of_its_time(
+    backend: LocalBackend,
+) -> None:
+    seen: list[ServiceError] = []
+
+    def answer(request: Double.Request) -> Double.Response:
+        seen.append(fails(lambda: ask(backend, "absent", timeout_s=100.0)))
+        return double(request)
+
+    backend.create_service(Double, "double", answer)
+    client = backend.create_client(Double, "double")
+    client.call_async(Double.Request(), timeout_s=50.0)
+    assert not backend.create_client(Double, "other").wait_for_service(timeout_s=2.0)
+    text = "no such service after 2 s, all that was left of the call that waits for this one"
+    assert [str(error) for error in seen] == [f"/absent: {text}"]
+
+
+def test_a_wait_for_a_service_ends_when_its_client_does(
+    pair: tuple[LocalBackend, LocalBackend],
+) -> None:
+    here, there = pair
+    client, errors = here.create_client(Double, "absent"), list[ServiceError]()
+    there.create_service(Double, "double", double)
+    with spun(here):
+        waits = threading.Event()
+
+        def wait() -> None:
+            waits.set()
+            errors.append(fails(lambda: client.wait_for_service(timeout_s=100.0)))
+
+        thread = threading.Thread(target=wait)
+        thread.start()
+        waits.wait(20.0)
+        here.destroy_client(client)
+        thread.join(20.0)
+    assert [str(error) for error in errors] == ["/absent: the client has been destroyed"]
+
+
 # Futures.
 
 
@@ -573,6 +746,15 @@ def test_a_destroyed_client_ends_its_calls(backend: LocalBackend) -> None:
         backend.destroy_client(client)
     for call in (future.result, lambda: client.call(Double.Request())):
         assert str(fails(call)) == "/double: the client has been destroyed"
+
+
+def test_no_service_is_ready_for_a_destroyed_client(backend: LocalBackend) -> None:
+    backend.create_service(Double, "double", double)
+    client = backend.create_client(Double, "double")
+    assert client.service_is_ready()
+    backend.destroy_client(client)
+    assert not client.service_is_ready()
+    assert str(fails(client.wait_for_service)) == "/double: the client has been destroyed"
 
 
 def test_closing_ends_the_wait_of_another_thread(backend: LocalBackend) -> None:

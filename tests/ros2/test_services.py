@@ -432,6 +432,19 @@ def test_both_sides_may_change_their_ros_messages(backend: Ros2Backend) -> None:
     assert (seen[0].depth, future.result().result.names) == (3, ["one"])
 
 
+def test_one_ros_request_that_is_changed_while_its_service_is_absent_arrives_as_it_was(
+    backend: Ros2Backend, plain: Plain
+) -> None:
+    client, request = backend.create_client(RosSetBool, "late"), RosSetBool.Request()
+    futures: list[Any] = []
+    for data in (True, False, True, False):
+        request.data = data
+        futures.append(client.call_async(request, timeout_s=TIMEOUT_S))
+    plain.serve(RosSetBool, "late", success=True)
+    spin_until(backend, lambda: all(future.done() for future in futures))
+    assert [served.data for served in plain.served] == [True, False, True, False]
+
+
 # Names and nodes.
 
 

@@ -231,6 +231,19 @@ class CountsNoLateAnswers(ChangedServices):
         client.count_late = lambda: None
 
 
+@breaks("late-answers-are-dropped-and-counted")
+class TakesLateAnswersOfItsOwnThread(ChangedServices):
+    def change_client(self, client: Any) -> None:
+        begin = client._begin
+
+        def begin_without_limit(request: Any) -> Any:
+            call = begin(request)
+            call.limit = lambda deadline_ns, make_error: None
+            return call
+
+        client._begin = begin_without_limit
+
+
 class CannotCancel:
     def __init__(self, future: Any) -> None:
         self.done, self.result = future.done, future.result
@@ -310,6 +323,19 @@ class CallsAStopATimeout(ChangedServices):
 class KeepsClients(ChangedServices):
     def destroy_client(self, client: Any) -> None:
         pass
+
+
+@breaks("destroyed-clients-end-their-calls")
+class IsReadyForDestroyedClients(ChangedServices):
+    def change_client(self, client: Any) -> None:
+        registry, name = self._bus.services, client.service_name
+        client.service_is_ready = lambda: registry.is_served(name)
+
+
+@breaks("destroyed-clients-end-their-calls")
+class WaitsForDestroyedClients(ChangedServices):
+    def change_client(self, client: Any) -> None:
+        client.wait_for_service = lambda: False
 
 
 @breaks("closed-backends-end-services")

@@ -72,6 +72,14 @@ class SendsWhatItRefuses(Changed):
             raise
 
 
+@breaks("wrong-messages-are-errors")
+class TakesAnyTemplate(LocalBackend):
+    def prepared_sender(
+        self, publisher: Publisher[Any], template: Any, varying: Sequence[str]
+    ) -> Sender:
+        return lambda *values: None
+
+
 @breaks("samples-arrive-like-messages")
 class ForgetsTheTemplate(LocalBackend):
     def prepared_sender(

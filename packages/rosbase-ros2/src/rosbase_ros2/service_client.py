@@ -87,12 +87,13 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return self._find_own() is not None or self._is_there()
+        return not self.is_closed and (self._find_own() is not None or self._is_there())
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
         try:
-            request = self._request.to_ros(call.request)
+            # A copy of what the program may change before it is sent.
+            request = self._isolate(self._request.to_ros(call.request))
         except Exception:
             call.cancel()
             raise
@@ -150,7 +151,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         def arrive(response: Any) -> None:
             self._arrive(call, self._isolate(response))
 
-        service.take(Received(self._isolate(request), arrive, call.set_exception, call.done))
+        service.take(Received(request, arrive, call.set_exception, call.done))
         return True
 
     def _transmit(self, call: ServiceCall[Any, Any], request: Any) -> None:

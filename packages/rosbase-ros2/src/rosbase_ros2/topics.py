@@ -39,10 +39,8 @@ class RosPublisher:
             TypeError: It is not of the topic's class, or a field has a value of the wrong kind.
             ValueError: A value is out of the range of its field.
         """
-        if type(message) is not self._msg_type and not isinstance(message, self._msg_type):
-            raise TypeError(
-                f"{self.topic} takes {name_of(self._msg_type)}, not {name_of(type(message))}"
-            )
+        if type(message) is not self._msg_type:
+            self._check_class(message)
         send = self._send
         if send is not None:
             try:
@@ -59,7 +57,12 @@ class RosPublisher:
         """Return a sender of messages like the template; see `rosbase.wire.maker`.
 
         It sends nothing once the publisher has ended.
+
+        Raises:
+            TypeError: The template is not of the topic's class.
+            ValueError: A path leads to no numbers.
         """
+        self._check_class(template)
         if self._courier.is_raw:
             encode = packer(template, varying)
         else:
@@ -85,6 +88,12 @@ class RosPublisher:
     def close(self) -> None:
         """Stop sending."""
         self._send = None
+
+    def _check_class(self, message: Any) -> None:
+        if not isinstance(message, self._msg_type):
+            raise TypeError(
+                f"{self.topic} takes {name_of(self._msg_type)}, not {name_of(type(message))}"
+            )
 
 
 class RosSubscription(QueuedSubscription):

@@ -279,7 +279,8 @@ class NodeConnection(ABC):
                 `rosbase.wire.maker` for their values.
 
         Raises:
-            TypeError: The template is no message (see `rosbase.message`).
+            TypeError: The template is no message (see `rosbase.message`), or not of the class of
+                the topic; the latter perhaps only when a message is sent.
             ValueError: A path leads to no numbers.
         """
         # Most programs prepare none, and need not import it.

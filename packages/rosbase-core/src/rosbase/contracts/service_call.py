@@ -46,6 +46,8 @@ class ServiceCall(Generic[RequestT, ResponseT]):
         self._response: ResponseT | None = None
         self._error: ServiceError | None = None
         self._timer: ExecutorTimer | None = None
+        self._deadline_ns: int | None = None
+        self._make_error: Callable[[], ServiceError] | None = None
         self._callbacks: list[Callable[[ServiceFuture[Any]], object]] = []
 
     # For whoever calls.
@@ -99,8 +101,13 @@ class ServiceCall(Generic[RequestT, ResponseT]):
         """Let the call fail, unless its answer is there."""
         self._end(None, error)
 
+    def limit(self, deadline_ns: int, make_error: Callable[[], ServiceError]) -> None:
+        """Take no answer after the deadline, on the monotonic clock: the call fails instead."""
+        self._deadline_ns, self._make_error = deadline_ns, make_error
+
     def expire_after(self, timeout_ns: int, make_error: Callable[[], ServiceError]) -> None:
         """Let the call fail unless it is done by then."""
+        self.limit(self._executor.clock.monotonic_ns() + timeout_ns, make_error)
         timer = self._executor.create_timer(timeout_ns, lambda: self.expire(make_error()))
         with self._lock:
             if not self._is_done:
@@ -109,10 +116,17 @@ class ServiceCall(Generic[RequestT, ResponseT]):
         timer.destroy()
 
     def _arrive(self, response: ResponseT | None, error: ServiceError | None) -> bool:
+        # Whoever would let it fail may be busy, perhaps with the service itself.
+        if self._make_error is not None and self._is_late():
+            self.expire(self._make_error())
         is_awaited = self._end(response, error)
         if not is_awaited:
             self._on_late()
         return is_awaited
+
+    def _is_late(self) -> bool:
+        deadline_ns = self._deadline_ns
+        return deadline_ns is not None and self._executor.clock.monotonic_ns() > deadline_ns
 
     def _end(self, response: ResponseT | None, error: ServiceError | None) -> bool:
         with self._lock:

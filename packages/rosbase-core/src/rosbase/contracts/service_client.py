@@ -3,6 +3,7 @@
 import math
 import threading
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from rosbase.contracts.service_call import ServiceCall
@@ -28,7 +29,7 @@ MOST_CALLS_DEEP = 16
 """Number of calls that may wait on one thread, each in a callback that the one before runs."""
 
 _LONGEST_S = 1e6
-_LOOK_S = 0.1
+_NS_PER_S = 1_000_000_000
 
 
 class ServiceClient(ABC, Generic[RequestT, ResponseT]):
@@ -87,6 +88,12 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         self._is_closed = True
         for call in list(self._pending):
             call.expire(self._closed_error())
+        self._waiting.changed()
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the client has been destroyed. No service is ready for it then."""
+        return self._is_closed
 
     @property
     def service_name(self) -> str:
@@ -103,10 +110,13 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         self._check_wait(timeout_s)
         call = self._begin(request)
         try:
+            deadline_ns, make_error = self._limit(timeout_s)
+            call.limit(deadline_ns, make_error)
             self.send(call)
-            waited_s = self._waiting.wait(call.done, timeout_s)
+            self._waiting.wait(call.done, timeout_s)
             if not call.done():
-                call.expire(self._end_of_wait(waited_s, timeout_s))
+                is_stopping = self._executor.is_stopping
+                call.expire(self._stopped_error() if is_stopping else make_error())
             if call.exception() is not None:
                 # Perhaps because a service of this program has just been ended by it.
                 self._check_stop()
@@ -122,7 +132,7 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         _check_timeout(timeout_s)
         call = self._begin(request)
         if timeout_s < _LONGEST_S:
-            timeout_ns = max(1, int(timeout_s * 1e9))
+            timeout_ns = max(1, int(timeout_s * _NS_PER_S))
             call.expire_after(timeout_ns, lambda: self._timeout_error(timeout_s))
         try:
             self.send(call)
@@ -134,16 +144,10 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
     def wait_for_service(self, timeout_s: float = DEFAULT_TIMEOUT_S) -> bool:
         """Wait until the service is there; return whether it is."""
         self._check_wait(timeout_s)
-        left_s = timeout_s
-        while left_s > 0 and not self.service_is_ready():
-            # In slices: some backends are not told when a service comes.
-            slice_s = min(left_s, _LOOK_S)
-            waited_s = self._waiting.wait(self.service_is_ready, slice_s)
-            self._check_stop()
-            if waited_s < slice_s / 2:
-                # It is there, or the time of a call around this one is up.
-                break
-            left_s -= waited_s
+        self._check_open()
+        self._waiting.wait(lambda: self._is_closed or self.service_is_ready(), timeout_s)
+        self._check_stop()
+        self._check_open()
         return self.service_is_ready()
 
     def _begin(self, request: RequestT) -> ServiceCall[RequestT, ResponseT]:
@@ -186,13 +190,20 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         if self._executor.is_stopping:
             raise self._stopped_error()
 
-    def _end_of_wait(self, waited_s: float, timeout_s: float) -> ServiceError:
-        """Return the error of a call that has waited in vain."""
-        if self._executor.is_stopping:
-            return self._stopped_error()
-        # Not after the whole timeout: a call around it has come to its own.
-        is_cut = waited_s < 0.99 * min(timeout_s, _LONGEST_S) and self._executor.depth > 0
-        return self._timeout_error(waited_s if is_cut else timeout_s, is_cut=is_cut)
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise self._closed_error()
+
+    def _limit(self, timeout_s: float) -> tuple[int, Callable[[], ServiceError]]:
+        """Return when a call that waits must end, and a function that makes its error."""
+        executor, timeout_s = self._executor, min(timeout_s, _LONGEST_S)
+        now_ns = executor.clock.monotonic_ns()
+        deadline_ns = now_ns + int(timeout_s * _NS_PER_S)
+        if executor.is_on_own_thread and executor.waits_end_ns < deadline_ns:
+            deadline_ns = executor.waits_end_ns
+            left_s = max(0, deadline_ns - now_ns) / _NS_PER_S
+            return deadline_ns, lambda: self._timeout_error(left_s, is_cut=True)
+        return deadline_ns, lambda: self._timeout_error(timeout_s)
 
     def _timeout_error(self, waited_s: float, *, is_cut: bool = False) -> ServiceTimeoutError:
         what = "no answer" if self.service_is_ready() else "no such service"
@@ -207,5 +218,6 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
 
 
 def _check_timeout(timeout_s: float) -> None:
-    if math.isnan(timeout_s) or timeout_s < 0:
-        raise ValueError(f"a timeout is a number of seconds from 0 up, not {timeout_s!r}")
+    if not isinstance(timeout_s, (int, float)) or math.isnan(timeout_s) or timeout_s < 0:
+        hint = "; math.inf never ends" if timeout_s is None else ""
+        raise ValueError(f"a timeout is a number of seconds from 0 up, not {timeout_s!r}{hint}")

@@ -102,7 +102,8 @@ class Client(Protocol[RequestT_contra, ResponseT_co]):
             timeout_s: How long to wait for the service and its answer, 5 seconds by default.
 
         Raises:
-            ServiceTimeoutError: The service is absent, or has not answered in time.
+            ServiceTimeoutError: The service is absent, or has not answered in time. It may come
+                later than the timeout, when a callback returns that runs on the same thread.
             ServiceFailedError: It raised an exception, or went away.
             ServiceStoppedError: The program was asked to stop.
             ServiceDepthError: 16 calls of this thread wait already, each within another.
@@ -116,7 +117,8 @@ class Client(Protocol[RequestT_contra, ResponseT_co]):
     ) -> ServiceFuture[ResponseT_co]:
         """Send a request, and return a future of its answer. It does not wait.
 
-        The arguments are those of `call`. After the timeout, the future has failed.
+        The arguments are those of `call`. No answer is taken after the timeout: the future fails,
+        when the loop gets to it.
 
         Raises:
             ServiceError: The client has been destroyed.
@@ -136,5 +138,6 @@ class Client(Protocol[RequestT_contra, ResponseT_co]):
         Raises:
             ServiceStoppedError: The program was asked to stop.
             ServiceDepthError: As for `call`.
+            ServiceError: The client has been destroyed.
         """
         ...

@@ -5,6 +5,7 @@ from typing import TypeVar
 from rosbase.contracts.service_call import ServiceCall
 from rosbase.contracts.service_client import ServiceClient
 from rosbase.contracts.services import ServiceType
+from rosbase.local.isolation import isolation
 from rosbase.local.service_registry import ServiceRegistry
 from rosbase.runtime.executor import Executor
 
@@ -26,11 +27,13 @@ class LocalClient(ServiceClient[RequestT, ResponseT]):
     ) -> None:
         super().__init__(srv_type, name, executor)
         self._registry = registry
+        self._isolate = isolation(srv_type.Request)
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return self._registry.is_served(self.service_name)
+        return not self.is_closed and self._registry.is_served(self.service_name)
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
+        call.request = self._isolate(call.request)
         self._registry.send(self.service_name, call)

@@ -16,11 +16,13 @@ from rosbase.local.standard.known import KnownServices, names_of
 
 __all__ = ["ServiceRegistry", "type_name"]
 
+_FEW_REQUESTS = 16
+
 
 class _Service:
     """A service: its providers, its clients, and requests that wait for a provider."""
 
-    __slots__ = ("clients", "providers", "type_name", "waiting")
+    __slots__ = ("_look_at", "clients", "providers", "type_name", "waiting")
 
     def __init__(self, type_name: str) -> None:
         self.type_name = type_name
@@ -28,6 +30,7 @@ class _Service:
         self.providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
         self.clients: tuple[Callable[[], object], ...] = ()
         self.waiting: deque[ServiceRequest] = deque()
+        self._look_at = _FEW_REQUESTS
 
     def provider_for(self, asking: ServiceLinkEnd | None) -> Provider | None:
         """Return the first that is not on the side of the process that asks."""
@@ -35,6 +38,13 @@ class _Service:
             if link is None or link is not asking:
                 return provider
         return None
+
+    def keep(self, call: ServiceRequest) -> None:
+        """Keep a request until there is a provider; forget those that have ended, if many are."""
+        if len(self.waiting) >= self._look_at:
+            self.waiting = deque(one for one in self.waiting if not one.done())
+            self._look_at = max(_FEW_REQUESTS, 2 * len(self.waiting))
+        self.waiting.append(call)
 
     def take_waiting(self) -> deque[ServiceRequest]:
         """Return the requests that have waited for a provider."""
@@ -143,9 +153,7 @@ class ServiceRegistry:
             service = self._services.get(name)
             provider = self._provider(name, None)
             if service is not None and provider is None:
-                while service.waiting and service.waiting[0].done():
-                    service.waiting.popleft()
-                service.waiting.append(call)
+                service.keep(call)
         if provider is not None:
             provider.take(call)
 

@@ -156,11 +156,19 @@ class Executor:
                 # Somebody else has just done it.
                 pass
 
-    def wait(self, done: Callable[[], object], deadline_ns: int) -> None:
+    @property
+    def waits_end_ns(self) -> int:
+        """Deadline of the waits in progress, on the monotonic clock; far away without one."""
+        return self._waits_end_ns
+
+    def wait(
+        self, done: Callable[[], object], deadline_ns: int, look_s: float = _LONGEST_S
+    ) -> None:
         """Run urgent calls, and nothing else, until `done` returns true or the deadline.
 
-        For the spinning thread, in a callback. Whoever makes `done` true must also call `wake`. It
-        also returns when the program is to stop, and at the deadline of a wait around it.
+        For the spinning thread, in a callback. Whoever makes `done` true must also call `wake`, or
+        it is called again every `look_s`. It also returns when the program is to stop, and at the
+        deadline of a wait around it.
         """
         outer_ns = self._waits_end_ns
         self._waits_end_ns = deadline_ns = min(deadline_ns, outer_ns)
@@ -176,7 +184,7 @@ class Executor:
                 self._sleeping = True
                 # Looked at only now: whoever came before this line did not see us sleep.
                 if not (self._urgent or done() or self.is_stopping):
-                    self._wait(min(left_ns / _NS_PER_S, _LONGEST_S))
+                    self._wait(min(left_ns / _NS_PER_S, look_s))
                 self._sleeping = False
         finally:
             self._sleeping = False

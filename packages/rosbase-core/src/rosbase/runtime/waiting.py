@@ -30,21 +30,18 @@ class Waiting:
         for sleeper in self._sleepers:
             sleeper.set()
 
-    def wait(self, done: Callable[[], object], timeout_s: float) -> float:
+    def wait(self, done: Callable[[], object], timeout_s: float) -> None:
         """Wait until `done` returns true, the timeout, or a request to stop.
 
-        The thread that spins runs urgent calls meanwhile. On another one the timeout is in real
-        time too, because nobody may be there to move a virtual clock on.
-
-        Returns:
-            The seconds that it took.
+        It looks often, for things of which nobody tells `changed`. The thread that spins runs
+        urgent calls meanwhile. On another one the timeout is in real time too, because nobody may
+        be there to move a virtual clock on.
         """
         executor = self._executor
-        begin_ns = executor.clock.monotonic_ns()
-        deadline_ns = begin_ns + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
+        deadline_ns = executor.clock.monotonic_ns() + int(min(timeout_s, _LONGEST_S) * _NS_PER_S)
         if executor.is_on_own_thread:
-            executor.wait(done, deadline_ns)
-            return (executor.clock.monotonic_ns() - begin_ns) / _NS_PER_S
+            executor.wait(done, deadline_ns, _LOOK_S)
+            return
         begin_ns = self._machine.monotonic_ns()
         sleeper = threading.Event()
         with self._lock:
@@ -59,4 +56,3 @@ class Waiting:
         finally:
             with self._lock:
                 self._sleepers = tuple(s for s in self._sleepers if s is not sleeper)
-        return (self._machine.monotonic_ns() - begin_ns) / _NS_PER_S

@@ -57,8 +57,8 @@ _SENTENCES = {
         "A topic has one type: another one is a BackendError of one line that names the topic"
     ),
     "wrong-messages-are-errors": (
-        "A message of another class is a TypeError of one line that names the topic, and nobody"
-        " receives it"
+        "A message of another class, also from a prepared sender, is a TypeError of one line that"
+        " names the topic, and nobody receives it"
     ),
     "samples-arrive-like-messages": (
         "A prepared sender sends the message of its template and values"
@@ -202,8 +202,8 @@ _SENTENCES = {
         "A call whose service comes within the timeout gets its answer"
     ),
     "late-answers-are-dropped-and-counted": (
-        "A call whose answer is late is a ServiceTimeoutError, and the answer is dropped and"
-        " counted"
+        "A call whose answer comes after its timeout is a ServiceTimeoutError, also if its own"
+        " thread answers, and the answer is dropped and counted"
     ),
     "cancelled-calls-stay-so": "A cancelled call has no result, also if its answer still comes",
     "failing-services-are-errors": (
@@ -222,7 +222,8 @@ _SENTENCES = {
         " ServiceStoppedError"
     ),
     "destroyed-clients-end-their-calls": (
-        "The calls of a destroyed client fail with a ServiceError, and so do new ones"
+        "The calls of a destroyed client fail with a ServiceError, and so do new ones; no service"
+        " is ready for it"
     ),
     "closed-backends-end-services": (
         "After close, calls fail, services answer nothing, destroying is harmless, and creating is"

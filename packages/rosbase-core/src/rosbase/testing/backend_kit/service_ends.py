@@ -54,6 +54,12 @@ class ServiceEndChecks(ServiceRig):
             backend,
         )
         self.require_kept(promised)
+        # The thread that calls answers itself, and can only notice afterwards.
+        self.calling(promised, backend, work)
+        promised.require(
+            client.dropped == 2,
+            f"after a second one, which its own thread answered, dropped is {client.dropped}",
+        )
 
     def test_cancelled_calls_stay_so(self) -> None:
         promised, backend = self.begin("cancelled-calls-stay-so")
@@ -159,6 +165,12 @@ class ServiceEndChecks(ServiceRig):
         promised.require(future.done(), "a call goes on although its client was destroyed")
         for call in (future.result, lambda: self.ask(client, 1)):
             self.refuses(promised, ServiceError, call, "a call of a destroyed client", self.topic)
+        self.serve(backend, self.topic)
+        other = self.client(backend, self.topic)
+        self.calling(promised, backend, lambda: self.ask(other, 1))
+        backend.destroy_client(other)
+        promised.require(not other.service_is_ready(), "a service is ready for a destroyed client")
+        self.fails(promised, other.wait_for_service)
 
     def test_closed_backends_end_services(self) -> None:
         promised, backend = self.begin("closed-backends-end-services")

@@ -119,6 +119,13 @@ class TopicChecks(BackendRig):
                 f"publishing {wrong!r} on a topic of Vector3",
                 self.topic,
             )
+        self.refuses(
+            promised,
+            TypeError,
+            lambda: backend.prepared_sender(talker.publisher, Imu(), ["header.stamp"])(1),  # type: ignore[arg-type]
+            "a prepared sender of an Imu on a topic of Vector3",
+            self.topic,
+        )
         self.settle(promised, talker, listener)
         promised.require(len(listener.heard) == before + 1, "a wrong message has arrived")
 
