@@ -153,3 +153,46 @@ def test_more_elements_than_a_bounded_sequence_has_are_refused() -> None:
     data: Any = struct.pack("<4s3I5f", b"\0\1\0\0", 0, 0, 5, *range(5))
     with pytest.raises(WireError, match=r"^my_msgs/msg/Wide: 5 elements are announced"):
         deserialize(data, Wide)
+
+
+@message("my_msgs/msg/Bounded")
+@dataclass(frozen=True)
+class Bounded:
+    text: Annotated[str, AtMost(3)] = ""
+    texts: tuple[Annotated[str, AtMost(3)], ...] = ()
+    wide: Annotated[WString, AtMost(3)] = ""
+    wides: tuple[Annotated[WString, AtMost(3)], ...] = ()
+
+
+@message("my_msgs/msg/Bounded")
+@dataclass(frozen=True)
+class Unbounded:
+    text: str = ""
+    texts: tuple[str, ...] = ()
+    wide: WString = ""
+    wides: tuple[WString, ...] = ()
+
+
+@given(
+    field=st.sampled_from(["text", "texts", "wide", "wides"]),
+    text=st.text(st.sampled_from("aä🧭"), max_size=5),
+)
+def test_a_text_is_read_if_and_only_if_it_can_be_written(field: str, text: str) -> None:
+    value: Any = (text,) if field.endswith("s") else text
+    data = serialize(Unbounded(**{field: value}))
+    count = len(text.encode("utf-16-le")) // 2 if "wide" in field else len(text.encode())
+    if count <= 3:
+        assert serialize(deserialize(data, Bounded)) == data
+    else:
+        unit = "UTF-16 units" if "wide" in field else "bytes"
+        reason = f"^my_msgs/msg/Bounded: a text has {count} {unit}, which is more than 3$"
+        with pytest.raises(WireError, match=reason):
+            deserialize(data, Bounded)
+
+
+@pytest.mark.parametrize("field", ["text", "texts", "wide", "wides"])
+def test_a_nul_within_a_text_is_refused(field: str) -> None:
+    value: Any = ("axb",) if field.endswith("s") else "axb"
+    data = serialize(Unbounded(**{field: value})).replace(b"x", b"\0")
+    with pytest.raises(WireError, match=r"^my_msgs/msg/Bounded: a text has a NUL within$"):
+        deserialize(data, Unbounded)

@@ -219,8 +219,18 @@ def test_a_class_that_checks_its_fields_refuses_bytes_as_a_wire_error() -> None:
     class Unchecked:
         speed: float = 0.0
 
+    @message("my_msgs/msg/Asserted")
+    @attrs.frozen
+    class Asserted:
+        speed: float = 0.0
+
+        def __attrs_post_init__(self) -> None:
+            assert self.speed >= 0.0, "too\nslow"
+
     with pytest.raises(WireError, match=r"^my_msgs/msg/Checked: "):
         deserialize(serialize(Unchecked(-1.0)), Checked)
+    with pytest.raises(WireError, match=r"^my_msgs/msg/Asserted: AssertionError: too slow"):
+        deserialize(serialize(Unchecked(-1.0)), Asserted)
 
 
 class Mutable:

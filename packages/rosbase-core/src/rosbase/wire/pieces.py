@@ -93,23 +93,35 @@ def packed(values: Any, code: str) -> tuple[Any, int]:
     return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize
 
 
-def read_text(data: memoryview, pos: int, size: int) -> str:
+def read_text(data: memoryview, pos: int, size: int, limit: int = 0) -> str:
     """Return the text of that many bytes, the last of which is NUL."""
     if size == 0:
         return ""
     end = pos + size
     if end > len(data) or data[end - 1] != 0:
         raise WireError("a text is cut short, or its length is garbled")
-    return str(data[pos : end - 1], "utf-8")
+    if limit and size > limit + 1:
+        raise WireError(f"a text has {size - 1} bytes, which is more than {limit}")
+    text = str(data[pos : end - 1], "utf-8")
+    # It could not be written again.
+    if "\0" in text:
+        raise WireError("a text has a NUL within")
+    return text
 
 
-def read_wide_text(data: memoryview, pos: int, size: int, order: str) -> str:
+def read_wide_text(data: memoryview, pos: int, size: int, order: str, limit: int = 0) -> str:
     """Return the text of that many UTF-16 units; whole characters are taken, too."""
     end = pos + WIDE_SIZE * size
     if end > len(data):
         raise WireError("a text is cut short, or its length is garbled")
     units = str(data[pos:end], "utf-32-le" if order == "<" else "utf-32-be", "surrogatepass")
-    return units.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
+    pairs = units.encode("utf-16-le", "surrogatepass")
+    if limit and len(pairs) > 2 * limit:
+        raise WireError(f"a text has {len(pairs) // 2} UTF-16 units, which is more than {limit}")
+    text = pairs.decode("utf-16-le")
+    if "\0" in text:
+        raise WireError("a text has a NUL within")
+    return text
 
 
 def read_numbers(data: memoryview, pos: int, count: int, code: str, order: str) -> Sequence[Any]:

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from rosbase.errors import WireError
 from rosbase.messages.widths import TYPECODES, Width
+from rosbase.text.printable import one_line
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.filling import can_be_filled, filled
@@ -47,8 +48,11 @@ def reader(cls: type) -> Callable[[bytes], Any]:
         except struct.error:
             raise WireError(f"{own.name}: the message is cut short") from None
         except (TypeError, ValueError) as error:
-            # Also of a class of the program that checks its fields.
-            raise WireError(f"{own.name}: {error}") from None
+            raise WireError(f"{own.name}: {one_line(str(error))}") from None
+        except Exception as error:
+            # A class of the program may check its fields as it likes.
+            reason = one_line(f"{type(error).__name__}: {error}")
+            raise WireError(f"{own.name}: {reason}") from error
 
     return read
 
@@ -142,11 +146,11 @@ class _Body:
         text = source.new("text")
         if one.element is Width.STRING:
             read = source.name_of(read_text, "read_text")
-            source.line(f"{text} = {read}(data, pos, {size()})")
+            source.line(f"{text} = {read}(data, pos, {size()}{_limit(one)})")
             source.line(f"pos += {size()}")
         else:
             read = source.name_of(read_wide_text, "read_wide_text")
-            source.line(f"{text} = {read}(data, pos, {size()}, {self._order!r})")
+            source.line(f"{text} = {read}(data, pos, {size()}, {self._order!r}{_limit(one)})")
             source.line(f"pos += {WIDE_SIZE} * {size()}")
         return lambda: text
 
@@ -196,11 +200,12 @@ class _Body:
                 source.line(f"(size,) = {length}(data, pos)")
                 if one.element is Width.STRING:
                     read = source.name_of(read_text, "read_text")
-                    source.line(f"element = {read}(data, pos + 4, size)")
+                    source.line(f"element = {read}(data, pos + 4, size{_limit(one)})")
                     source.line("pos += 4 + size")
                 else:
                     read = source.name_of(read_wide_text, "read_wide_text")
-                    source.line(f"element = {read}(data, pos + 4, size, {self._order!r})")
+                    order = f"{self._order!r}{_limit(one)}"
+                    source.line(f"element = {read}(data, pos + 4, size, {order})")
                     source.line(f"pos += 4 + {WIDE_SIZE} * size")
             source.line(f"{many}.append(element)")
         return lambda: f"tuple({many})"
@@ -223,3 +228,8 @@ class _Body:
             arguments = ", ".join(f"{one.alias}={value}" for one, value in values)
             self.building.append(f"{made} = {kind}({arguments})")
         return made
+
+
+def _limit(one: Field) -> str:
+    """Return the last argument for a text; most have no limit, and need none."""
+    return f", {one.text_limit}" if one.text_limit else ""
