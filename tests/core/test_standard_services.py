@@ -33,6 +33,7 @@ from rosbase.local.standard.listing import list_names
 from rosbase.messages import lifecycle_msgs, rcl_interfaces
 from rosbase.messages.lifecycle_msgs import ChangeState, GetAvailableTransitions, Transition
 from rosbase.messages.rcl_interfaces import Parameter, ParameterType, ParameterValue
+from rosbase.parameters import Parameter as RosbaseParameter
 from rosbase.testing import virtual_backend
 from support.program import running
 from support.services import Double, double, spun
@@ -206,6 +207,40 @@ def test_a_topic_of_another_type_gets_no_steps(
     manager.backend.create_subscription(Transition, "/camera/transition_event", print, 10)
     assert change(manager, label="configure")
     assert caplog.text == ""
+
+
+def test_changes_of_parameters_are_published_as_those_of_their_node() -> None:
+    backend = virtual_backend(node_name="robot")
+    heard: list[rcl_interfaces.ParameterEvent] = []
+    backend.create_subscription(
+        rcl_interfaces.ParameterEvent, "/parameter_events", heard.append, 100
+    )
+    manager = BaseManager("robot", {"camera": Camera, "lamp": Lamp}, backend=backend)
+    backend.spin_until(10**9, lambda: len(heard) > len(NAMES))
+    found = [(one.node, one.new_parameters[0].name) for one in heard]
+    assert found == [*(("/camera", name) for name in NAMES), ("/robot", "lamp.power")]
+    assert heard[0].new_parameters[0].value == ParameterValue(type=2, integer_value=30)
+    assert heard[0].stamp == backend.clock.now()
+    assert all(len(one.new_parameters) == 1 and not one.changed_parameters for one in heard)
+    heard.clear()
+
+    camera, lamp = manager.node(Camera), manager.node(Lamp)
+    fast, slow = ParameterValue(type=2, integer_value=60), ParameterValue(type=2, integer_value=2)
+    assert set_one(manager, "fps", integer_value=60).successful
+    assert not set_one(manager, "fps", integer_value=61).successful
+    assert camera.set_parameters(
+        [RosbaseParameter("fps", 2), RosbaseParameter("on", False)]
+    ).successful
+    assert lamp.set_parameter("power", 2).successful
+    backend.spin_until(2 * 10**9, lambda: len(heard) >= 3)
+    assert [(one.node, one.changed_parameters) for one in heard] == [
+        ("/camera", (Parameter("fps", fast),)),
+        ("/camera", (Parameter("fps", slow), Parameter("on", ParameterValue(type=1)))),
+        ("/robot", (Parameter("lamp.power", slow),)),
+    ]
+    assert not any(one.new_parameters or one.deleted_parameters for one in heard)
+    backend.close()
+    lamp.set_parameter("power", 3)
 
 
 def test_a_second_lifecycle_node_of_one_name_is_named_in_a_warning(

@@ -32,6 +32,7 @@ INTERNAL = {
         "roles.lookup",
         "roles.registration",
         "roles.shutdown",
+        "roles.transitions",
         "runtime.early_wake",
         "runtime.stopping",
         "runtime.waiting",

@@ -17,6 +17,7 @@ from rosbase import BackendOptions, LifecycleNode, LocalBackend, ParameterKind, 
 from rosbase.local import Bus
 from rosbase.messages import lifecycle_msgs, rcl_interfaces
 from rosbase.messages.rcl_interfaces import Parameter, ParameterValue
+from rosbase.parameters import Parameter as RosbaseParameter
 from rosbase_ros2.backend import Ros2Backend
 
 SPECS = [
@@ -113,6 +114,34 @@ def to_ros(value: Any) -> Any:
             content = [bytes((item,)) for item in content]
         setattr(made, one.name, content)
     return made
+
+
+def test_events_of_parameters_are_those_of_rclpy(
+    new_twins: Twins, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours: list[Any] = []
+    theirs: list[Any] = []
+    new_twins.local.create_subscription(
+        rcl_interfaces.ParameterEvent, "/parameter_events", ours.append, 100
+    )
+    publisher: Any = new_twins.ros2.node._parameter_event_publisher
+    monkeypatch.setattr(publisher, "publish", theirs.append)
+    for node in new_twins.nodes:
+        node.declare_parameter("late", [1.5])
+        node.set_parameters([RosbaseParameter("fps", 31), RosbaseParameter("late", [2.5])])
+        node.set_parameter("fps", 31)
+        node.set_parameter("fps", 99)
+        node.set_parameter("key", [b"\x02"])
+    new_twins.local.spin_until(
+        new_twins.local.clock.monotonic_ns() + 10**10, lambda: len(ours) >= len(theirs)
+    )
+    assert len(ours) == 4
+    assert [without_stamp(one) for one in ours] == [without_stamp(one) for one in theirs]
+
+
+def without_stamp(event: Any) -> Any:
+    """An event as plain values that do not depend on the time."""
+    return plain(event) | {"stamp": None}
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -1,7 +1,7 @@
 """The parameters of a backend: declared once, checked whenever they are set."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from rosbase.errors import ParameterError
 from rosbase.logger import RosbaseLogger
@@ -17,6 +17,7 @@ from rosbase.text.printable import one_line
 
 __all__ = [
     "OnSetParameters",
+    "ParameterListener",
     "ParameterRules",
     "ParameterStore",
     "PostSetParameters",
@@ -30,6 +31,14 @@ OnSetParameters: TypeAlias = Callable[[list[Parameter[Any]]], Any]
 
 PostSetParameters: TypeAlias = Callable[[list[Parameter[Any]]], object]
 """Callback for parameters that have been set."""
+
+
+class ParameterListener(Protocol):
+    """Function that hears of parameters that were declared or set."""
+
+    def __call__(self, parameters: Sequence[Parameter[Any]], /, *, are_new: bool) -> object:
+        """Take the parameters; they are new if they have just been declared."""
+        ...
 
 
 class ParameterRules:
@@ -151,6 +160,11 @@ class ParameterStore(ParameterRules):
         self._overrides = overrides
         self._general_names: set[str] = set()
         self._values: dict[str, Parameter[Any]] = {}
+        self._listeners: list[ParameterListener] = []
+
+    def add_listener(self, listener: ParameterListener) -> None:
+        """Call `listener` after each change, on the thread that makes it."""
+        self._listeners.append(listener)
 
     def declare(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one.
@@ -166,8 +180,9 @@ class ParameterStore(ParameterRules):
         value = check_value(spec, self._overrides.get(spec.name, given))
         self.add(spec)
         self._general_names.add(spec.general_name)
-        self._values[spec.name] = Parameter(spec.name, value)
-        return self._values[spec.name]
+        declared = self._values[spec.name] = Parameter(spec.name, value)
+        self._notify([declared], are_new=True)
+        return declared
 
     def name_undeclared(self, warn: Callable[[str], object]) -> None:
         """Warn of overrides for parameters that were never declared."""
@@ -200,8 +215,13 @@ class ParameterStore(ParameterRules):
         result = self.ask(checked)
         if result.successful:
             self._values |= {parameter.name: parameter for parameter in checked}
+            self._notify(checked, are_new=False)
             self._call_soon(lambda: self.tell(checked))
         return result
+
+    def _notify(self, parameters: Sequence[Parameter[Any]], *, are_new: bool) -> None:
+        for listener in self._listeners:
+            listener(parameters, are_new=are_new)
 
 
 def name_undeclared(

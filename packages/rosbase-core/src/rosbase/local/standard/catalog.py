@@ -2,7 +2,14 @@
 
 from collections.abc import Mapping
 
-__all__ = ["LIFECYCLE", "PARAMETERS", "TRANSITION_EVENT", "TYPES", "standard_type"]
+__all__ = [
+    "LIFECYCLE",
+    "PARAMETERS",
+    "PARAMETER_EVENT",
+    "TRANSITION_EVENT",
+    "TYPES",
+    "standard_type",
+]
 
 LIFECYCLE = "lifecycle"
 """Kind of the services of a lifecycle node."""
@@ -15,6 +22,9 @@ _PARAMETER_TYPES = "rosbase.messages.rcl_interfaces"
 
 TRANSITION_EVENT = f"{_LIFECYCLE_TYPES}.TransitionEvent"
 """Type of the messages on `transition_event`."""
+
+PARAMETER_EVENT = f"{_PARAMETER_TYPES}.ParameterEvent"
+"""Type of the messages on `/parameter_events`."""
 
 _AVAILABLE_TRANSITIONS = f"{_LIFECYCLE_TYPES}._get_available_transitions.GetAvailableTransitions"
 

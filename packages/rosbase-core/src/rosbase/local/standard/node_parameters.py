@@ -23,13 +23,21 @@ class NodeParameters:
 
     def names(self) -> list[str]:
         """Return the names of all, in the order of declaration."""
-        own = [full for full in self.store.names() if self._is_own(full)]
-        return [full.removeprefix(self.prefix) for full in own]
+        return [self.inner_name(full) for full in self.store.names() if self.has(full)]
+
+    def inner_name(self, full: str) -> str:
+        """Return the name of one of its parameters from that in the store."""
+        return full.removeprefix(self.prefix)
+
+    def has(self, full: str) -> bool:
+        """Return whether a parameter of that name in the store is one of the node."""
+        prefix = self.store.prefix_of(full)
+        return prefix == self.prefix or not (self.prefix or prefix in self.prefixes)
 
     def find(self, name: str) -> ParameterSpec | None:
         """Return the declaration of a parameter; None if the node has none of that name."""
         full = self.prefix + name
-        return self.store.find(full) if self._is_own(full) else None
+        return self.store.find(full) if self.has(full) else None
 
     def value(self, name: str) -> Any:
         """Return the value of a parameter that the node has."""
@@ -42,7 +50,3 @@ class NodeParameters:
                 return refused(f"parameter {parameter.name} has not been declared")
         outer = [Parameter(self.prefix + p.name, p.value) for p in parameters]
         return self.store.set(outer)
-
-    def _is_own(self, full: str) -> bool:
-        prefix = self.store.prefix_of(full)
-        return prefix == self.prefix or not (self.prefix or prefix in self.prefixes)

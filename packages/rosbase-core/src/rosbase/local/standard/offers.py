@@ -1,6 +1,7 @@
-"""The standard services that a backend offers for its nodes, and the topics of transitions."""
+"""The standard services that a backend offers for its nodes, and the topics of changes."""
 
 import threading
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -11,13 +12,16 @@ from rosbase.errors import ServiceFailedError
 from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.bus import Bus
 from rosbase.local.service_registry import type_name
-from rosbase.local.standard.catalog import LIFECYCLE, PARAMETERS, TRANSITION_EVENT
+from rosbase.local.standard.catalog import LIFECYCLE, PARAMETER_EVENT, PARAMETERS, TRANSITION_EVENT
 from rosbase.logger import RosbaseLogger
+from rosbase.parameters import Parameter
 
 __all__ = ["StandardOffers"]
 
-# That of rcl_lifecycle.
-_EVENT_DEPTH = 10
+# Those of rcl_lifecycle and of rclpy.
+_TRANSITION_DEPTH = 10
+_PARAMETER_DEPTH = 1000
+_PARAMETER_EVENTS = "/parameter_events"
 
 
 class StandardOffers:
@@ -51,6 +55,7 @@ class StandardOffers:
         self._lock = threading.Lock()
         self._events: dict[str, Publisher[Any]] = {}
         bus.services.add_standard(self)
+        store.add_listener(self._publish_parameters)
 
     def offer_parameters(self, node_name: str, prefix: str) -> None:
         """Answer for the parameters of a node, which have the prefix in the store."""
@@ -133,15 +138,36 @@ class StandardOffers:
     def _publish(self, node: str, event: TransitionEvent) -> None:
         """Publish a step of a node if anybody listens. Called on the thread that takes it."""
         topic = f"{node}/transition_event"
-        heard = self._bus.heard_type(topic)
-        if self._is_closed or heard is None or type_name(heard) != TRANSITION_EVENT:
+        heard = self._heard_type(topic, TRANSITION_EVENT)
+        if heard is None:
             return
         from rosbase.local.standard.lifecycle_answers import event_message
 
         message = event_message(event, self._backend.clock.now_ns())
+        self._publisher(heard, topic, _TRANSITION_DEPTH).publish(message)
+
+    def _publish_parameters(self, changed: Sequence[Parameter[Any]], *, are_new: bool) -> None:
+        """Publish changes if anybody listens. Called on the thread that makes them."""
+        heard = self._heard_type(_PARAMETER_EVENTS, PARAMETER_EVENT)
+        if heard is None:
+            return
+        from rosbase.local.standard.parameter_events import parameter_events
+
+        names = [parameter.name for parameter in changed]
+        stamp = self._backend.clock.now()
+        publisher = self._publisher(heard, _PARAMETER_EVENTS, _PARAMETER_DEPTH)
+        for event in parameter_events(self._store, self._prefixes, names, stamp, are_new=are_new):
+            publisher.publish(event)
+
+    def _heard_type(self, topic: str, kind: str) -> type | None:
+        """Return the class of a topic if it has subscriptions of that type."""
+        heard = None if self._is_closed else self._bus.heard_type(topic)
+        return heard if heard is not None and type_name(heard) == kind else None
+
+    def _publisher(self, heard: type, topic: str, depth: int) -> Publisher[Any]:
         if topic not in self._events:
-            self._events[topic] = self._backend.create_publisher(heard, topic, _EVENT_DEPTH)
-        self._events[topic].publish(message)
+            self._events[topic] = self._backend.create_publisher(heard, topic, depth)
+        return self._events[topic]
 
 
 class _Offer:

@@ -22,7 +22,7 @@ from rosbase.parameters import (
 )
 from rosbase.parameters.described import KIND_NUMBERS, constraints, value_range
 
-__all__ = ["parameter_answers"]
+__all__ = ["parameter_answers", "value_message"]
 
 _FIELDS = {number: f"{kind.name.lower()}_value" for kind, number in KIND_NUMBERS.items()}
 """Field of ParameterValue that has the value, by the number of the type."""
@@ -57,7 +57,7 @@ def _get(
     specs = _specs(parameters, request.names)
     found = zip(request.names, specs, strict=False)
     return msgs.GetParameters_Response(
-        tuple(_as_message(spec.kind, parameters.value(name)) for name, spec in found)
+        tuple(value_message(spec.kind, parameters.value(name)) for name, spec in found)
     )
 
 
@@ -127,7 +127,8 @@ def _value(parameters: NodeParameters, message: msgs.Parameter) -> Any:
         return value
 
 
-def _as_message(kind: ParameterKind, value: Any) -> msgs.ParameterValue:
+def value_message(kind: ParameterKind, value: Any) -> msgs.ParameterValue:
+    """Return the message of a value of that kind."""
     if kind is ParameterKind.BYTE_ARRAY:
         value = tuple(item[0] for item in value)
     elif isinstance(value, list):
