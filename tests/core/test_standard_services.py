@@ -395,8 +395,8 @@ def test_a_value_that_is_refused_comes_with_the_reason(
     assert set_one(manager, name, **value) == rcl_interfaces.SetParametersResult(False, reason)
 
 
-@pytest.mark.parametrize("number", [0, 42])
-def test_a_value_without_a_type_is_refused(manager: BaseManager, number: int) -> None:
+@pytest.mark.parametrize("number", [0, 42, [1], "1"])
+def test_a_value_without_a_type_is_refused(manager: BaseManager, number: Any) -> None:
     given = Parameter("fps", ParameterValue(type=number))
     answer = ask(manager, rcl_interfaces.SetParameters, "camera/set_parameters", (given,))
     assert not answer.results[0].successful

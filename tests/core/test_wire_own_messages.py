@@ -317,6 +317,60 @@ def test_a_field_without_a_type_of_ros_is_refused_by_its_name(
         use(cls)
 
 
+@message("my_msgs/msg/Chain")
+@attrs.frozen
+class Chain:
+    links: "tuple[Chain, ...]" = ()
+
+
+@message("my_msgs/msg/Hen")
+@attrs.frozen
+class Hen:
+    eggs: "tuple[Egg, ...]" = ()
+
+
+@message("my_msgs/msg/Egg")
+@attrs.frozen
+class Egg:
+    hen: Hen = Hen()
+
+
+@message("my_msgs/msg/Late")
+@attrs.frozen
+class Late:
+    data: "Unknown" = 0  # type: ignore[name-defined]  # noqa: F821 - the mistake is the test
+
+
+@pytest.mark.parametrize(
+    ("cls", "why"),
+    [
+        (Chain, r"Chain\.links: a message of ROS does not contain itself"),
+        (Egg, r"Hen\.eggs: a message of ROS does not contain itself"),
+        (Hen, r"Egg\.hen: a message of ROS does not contain itself"),
+        (declared(tuple[()]), r"Own\.part: an array of ROS has elements"),
+        (
+            Late,
+            r"Late: an annotation cannot be read: name 'Unknown' is not defined; declare the message"
+            r" at the top of a module, or leave out `from __future__ import annotations`",
+        ),
+    ],
+    ids=str,
+)
+def test_a_class_that_cannot_be_described_is_refused_in_one_line(cls: type, why: str) -> None:
+    for _ in range(2):
+        with pytest.raises(TypeError, match=f"^{why}$"):
+            describe(cls)
+
+
+def test_a_text_among_the_constants_stays_on_its_line_of_the_schema() -> None:
+    @message("my_msgs/msg/Quoted")
+    @attrs.frozen
+    class Quoted:
+        NAME: ClassVar[str] = 'a "b"\nuint8 c'
+
+    assert schema(Quoted) == r'string NAME="a \"b\"\nuint8 c"' + "\n"
+
+
 def test_a_class_without_the_decorator_is_refused_with_the_cure() -> None:
     for use in (describe, schema, type_hash, dds_type_name):
         with pytest.raises(

@@ -49,7 +49,8 @@ def bad_messages(message: Any, of: MessageType, where: str) -> Any:
             ):
                 yield changed(message, one, bad), bad_place
             continue
-        for bad in BAD_LISTS:
+        octets = (Width.BYTE, Width.CHAR, Width.UINT8)
+        for bad in [*BAD_LISTS, *([] if one.element in octets else [b"ab"])]:
             yield changed(message, one, bad), place
         if one.kind is Kind.ARRAY:
             yield changed(message, one, tuple(value)[:-1]), place

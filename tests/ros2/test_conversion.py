@@ -162,11 +162,14 @@ def test_a_message_of_another_type_is_refused() -> None:
             CONVERSIONS.of(Imu).to_ros(wrong)
 
 
-@pytest.mark.parametrize("value", ["elbow", None, {"elbow": 1}, 1, {1.0}, iter([1.0])])
+@pytest.mark.parametrize("value", ["elbow", b"ab", None, {"elbow": 1}, 1, {1.0}, iter([1.0])])
 def test_only_a_list_of_values_goes_into_a_list(value: Any) -> None:
     for field in ("name", "position"):
+        # Past the constructor, which refuses it too.
+        wrong = JointState()
+        object.__setattr__(wrong, field, value)
         with pytest.raises(TypeError, match=rf"^JointState\.{field} takes a tuple"):
-            CONVERSIONS.of(JointState).to_ros(JointState(**{field: value}))
+            CONVERSIONS.of(JointState).to_ros(wrong)
 
 
 @pytest.mark.parametrize("stamp", [Time(2**31, 0), Time(-(2**31) - 1, 0), Time(0, -1)])

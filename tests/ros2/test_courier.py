@@ -9,7 +9,7 @@ from attrs import frozen
 from test_msgs.msg import BasicTypes as RosBasicTypes
 
 from rosbase import wire
-from rosbase.messages import Imu, PointCloud2
+from rosbase.messages import Imu, PointCloud2, TFMessage
 from rosbase.messages import fields as ros
 from rosbase.messages.fields import message
 from rosbase_ros2.backend import Ros2Backend
@@ -89,6 +89,8 @@ def test_a_message_that_ros_does_not_have_is_refused_with_what_to_install(
 ) -> None:
     with pytest.raises(TypeError, match=r"not installed: pip install ros-jazzy-no-such-msgs, or"):
         backend.create_publisher(Thing, "thing", 10)
+    with pytest.raises(TypeError, match=r"tf2_msgs is not installed: source a workspace that"):
+        backend.create_publisher(TFMessage, "tf", 10)
     with pytest.raises(TypeError, match=r"std_msgs has no NoSuchMessage$"):
         backend.create_subscription(NoSuchMessage, "thing", print, 10)
 

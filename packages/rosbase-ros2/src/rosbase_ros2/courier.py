@@ -13,6 +13,8 @@ from rosbase_ros2.conversion import Conversions
 
 __all__ = ["Courier", "courier_of", "require_same", "ros_class"]
 
+# Packages of messages that the package index of the wheels of ROS does not have.
+_WITHOUT_WHEEL = ("tf2_msgs",)
 # What rclpy calls the primitive types.
 _NAMES = {
     Width.BOOL: "boolean",
@@ -74,10 +76,10 @@ def ros_class(name: str, msg_type: type) -> Any:
     try:
         module = import_module(f"{package}.{kind}")
     except ModuleNotFoundError:
-        wheel = f"ros-jazzy-{package.replace('_', '-')}"
+        install = f"pip install ros-jazzy-{package.replace('_', '-')}, or "
         raise TypeError(
             f"{msg_type.__name__} is {name} in ROS, and {package} is not installed:"
-            f" pip install {wheel}, or source a workspace that has it"
+            f" {'' if package in _WITHOUT_WHEEL else install}source a workspace that has it"
         ) from None
     found = getattr(module, own, None)
     if found is None:

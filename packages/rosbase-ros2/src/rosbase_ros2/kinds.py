@@ -42,7 +42,7 @@ _all_floats = frozenset((float,)).issuperset
 
 def _as_floats(value: Any, where: str) -> Sequence[float]:
     """Return the numbers of a list, a tuple or an array as floats; see `as_float`."""
-    values = as_list(value, where)
+    values = as_list(value, where, takes_bytes=False)
     return values if _all_floats(map(type, values)) else [as_float(one, where) for one in values]
 
 
@@ -77,12 +77,14 @@ def list_check(element: str, each: Check, size: int | None) -> Check:
     """Return the check of a sequence, or of an array of `size`, of elements of a ROS type."""
     typecode = TYPECODES.get(element)
     whole = _as_floats if typecode == "d" else None
+    takes_bytes = element in ("octet", "uint8")
 
     def check(value: Any, where: str) -> Any:
         if whole:
             values: Any = whole(value, where)
         else:
-            values = [each(one, where) for one in as_list(value, where)]
+            elements = as_list(value, where, takes_bytes=takes_bytes)
+            values = [each(one, where) for one in elements]
         if size is not None and len(values) != size:
             raise ValueError(f"{where} takes {size} elements, not {len(values)}")
         # The setter takes an array as it is; it would look at each element of a list.

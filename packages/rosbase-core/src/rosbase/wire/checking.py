@@ -24,6 +24,7 @@ from rosbase.wire.values import (
 __all__ = ["made_usual"]
 
 _OCTET = int_range(8, signed=False)
+_OCTETS = (Width.BYTE, Width.CHAR, Width.UINT8)
 _RANGES = {
     Width.BYTE: _OCTET,
     Width.CHAR: _OCTET,
@@ -51,7 +52,7 @@ def _field(message: Any, one: Field, of: MessageType, where: str) -> Any:
     place = f"{where}.{one.name}"
     if one.kind is Kind.ONE:
         return _element(value, one, place)
-    values = as_list(value, place)
+    values = as_list(value, place, takes_bytes=one.element in _OCTETS)
     count = len(values)
     if one.kind is Kind.ARRAY and count != one.size:
         raise ValueError(f"{place} takes {one.size} elements, not {count}")

@@ -2,6 +2,7 @@
 
 import typing
 from collections.abc import Iterator
+from contextvars import ContextVar
 from enum import Enum
 from typing import Any, ClassVar
 
@@ -14,7 +15,8 @@ from rosbase.wire.once import once_per_class
 __all__ = ["Constant", "Field", "Kind", "MessageType", "describe"]
 
 _PLAIN = {float: Width.FLOAT64, str: Width.STRING, bool: Width.BOOL}
-_NUMBERS = (int, float, bool)
+# The classes that are being described, each a part of the one before.
+_under_way: ContextVar[tuple[type, ...]] = ContextVar("under_way", default=())
 
 
 class Kind(Enum):
@@ -84,15 +86,30 @@ def describe(cls: type) -> MessageType:
             f"{getattr(cls, '__name__', cls)!s} is no message: decorate it with"
             " @message('package/msg/Name')"
         )
-    hints = typing.get_type_hints(cls, include_extras=True)
-    fields = tuple(
-        attrs.evolve(
-            _field(one.name, alias, hints[one.name], f"{cls.__name__}.{one.name}"),
-            is_keyword=bool(one.kw_only),
+    hints = _hints(cls)
+    around = _under_way.set((*_under_way.get(), cls))
+    try:
+        fields = tuple(
+            attrs.evolve(
+                _field(one.name, alias, hints[one.name], f"{cls.__name__}.{one.name}"),
+                is_keyword=bool(one.kw_only),
+            )
+            for one, alias in _declared(cls)
         )
-        for one, alias in _declared(cls)
-    )
+    finally:
+        _under_way.reset(around)
     return MessageType(name, cls, fields, tuple(_constants(cls, hints)))
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    try:
+        return typing.get_type_hints(cls, include_extras=True)
+    except NameError as error:
+        # Such as a class within a function, whose names cannot be found later.
+        raise TypeError(
+            f"{cls.__name__}: an annotation cannot be read: {error}; declare the message at the top"
+            " of a module, or leave out `from __future__ import annotations`"
+        ) from None
 
 
 def _declared(cls: Any) -> list[tuple[Any, str]]:
@@ -123,6 +140,8 @@ def _field(name: str, alias: str, hint: Any, where: str) -> Field:
         element, limit = _element(base, marks, where)
         return Field(name, alias, element, text_limit=limit)
     inner = typing.get_args(base)
+    if not inner:
+        raise TypeError(f"{where}: an array of ROS has elements")
     element, limit = _element(*_taken_apart(inner[0]), where)
     if len(inner) == 2 and inner[1] is Ellipsis:
         kind = Kind.ARRAY if isinstance(size, Fixed) else Kind.SEQUENCE
@@ -150,6 +169,8 @@ def _element(base: Any, marks: tuple[Any, ...], where: str) -> tuple[Width | Mes
         return _PLAIN[base], limit
     if base is int:
         raise TypeError(f"{where}: say how wide the number is, such as Int32 or UInt8")
+    if base in _under_way.get():
+        raise TypeError(f"{where}: a message of ROS does not contain itself")
     if ros_type(base) is not None:
         return describe(base), 0
     raise TypeError(f"{where}: {base!r} is no type of ROS")

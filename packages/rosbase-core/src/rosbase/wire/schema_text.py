@@ -30,7 +30,11 @@ def _lines(of: MessageType) -> Iterator[str]:
 
 
 def _value(value: object) -> object:
-    return f'"{value}"' if isinstance(value, str) else value
+    if not isinstance(value, str):
+        return value
+    # In one line, and without the end of the text within; ROS knows no other escapes.
+    escaped = value.replace('"', r"\"").replace("\n", r"\n").replace("\r", r"\r")
+    return f'"{escaped}"'
 
 
 def _type(of: Field) -> str:

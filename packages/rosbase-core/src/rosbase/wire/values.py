@@ -106,13 +106,13 @@ def as_text(value: Any, where: str) -> str:
     return data.decode()
 
 
-def as_list(value: Any, where: str) -> Sequence[Any]:
-    """Return the elements of a list, a tuple, bytes or an array.
+def as_list(value: Any, where: str, *, takes_bytes: bool) -> Sequence[Any]:
+    """Return the elements of a list, a tuple or an array; of bytes only if they are taken.
 
     Raises:
         TypeError: It is none of them.
     """
-    if isinstance(value, (list, tuple, bytes)):
+    if isinstance(value, (list, tuple)) or (takes_bytes and isinstance(value, bytes)):
         return value
     # numpy's arrays, those of the standard library and memoryviews; a text is no list of texts.
     if hasattr(value, "tolist") and isinstance(elements := value.tolist(), list):

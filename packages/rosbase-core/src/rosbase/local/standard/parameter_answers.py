@@ -116,7 +116,8 @@ def _value(parameters: NodeParameters, message: msgs.Parameter) -> Any:
     if number == msgs.ParameterType.PARAMETER_NOT_SET:
         # A declared parameter always has a value, so this one will be refused.
         return None
-    if number not in _FIELDS:
+    # The fields of a request within one process may hold anything.
+    if not isinstance(number, int) or number not in _FIELDS:
         raise ParameterError(f"parameter {message.name}: there is no type {number!r}")
     value = getattr(message.value, _FIELDS[number])
     spec = parameters.find(message.name)
