@@ -67,7 +67,8 @@ def test_an_array_of_a_fixed_size_too(numbers: list[int]) -> None:
         imu = Imu(orientation_covariance=form)
         assert imu == Imu(orientation_covariance=tuple(numbers))  # type: ignore[arg-type]
         assert hash(imu) == hash(deserialize(serialize(imu), Imu))
-    for wrong in (numbers[:8], np.zeros(10)):
+    wrongs: list[Any] = [numbers[:8], np.zeros(10)]
+    for wrong in wrongs:
         with pytest.raises(ValueError, match=r"^orientation_covariance takes 9 elements, not "):
             Imu(orientation_covariance=wrong)
 
@@ -179,8 +180,9 @@ def test_a_time_of_ros_becomes_one_of_rosbase(sec: int, nanosec: int) -> None:
 
 
 def test_what_is_no_time_stays_and_is_refused_when_it_is_written() -> None:
-    for wrong in (None, 1.5, Duration(1), "now"):
-        header = Header(wrong)  # type: ignore[arg-type]
+    wrongs: list[Any] = [None, 1.5, Duration(1), "now"]
+    for wrong in wrongs:
+        header = Header(wrong)
         assert header.stamp is wrong
     with pytest.raises(TypeError, match=r"^Header\.stamp takes messages of type Time, not None$"):
         serialize(Header(None))  # type: ignore[arg-type]

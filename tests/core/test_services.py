@@ -319,7 +319,7 @@ def slow(backend: LocalBackend, takes_s: float) -> Callable[[Double.Request], Do
     """A callback that takes some virtual time."""
 
     def answer(request: Double.Request) -> Double.Response:
-        backend.clock.sleep(takes_s)  # type: ignore[attr-defined]  # a manual one
+        backend.clock.sleep(takes_s)
         return double(request)
 
     return answer
@@ -350,7 +350,7 @@ def test_an_answer_within_another_wait_is_late_as_well(backend: LocalBackend) ->
 
 def test_a_failure_after_the_timeout_is_a_timeout(backend: LocalBackend) -> None:
     def answer(request: Double.Request) -> Double.Response:
-        backend.clock.sleep(0.5)  # type: ignore[attr-defined]  # a manual one
+        backend.clock.sleep(0.5)
         raise ArithmeticError
 
     backend.create_service(Double, "double", answer)

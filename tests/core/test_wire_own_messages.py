@@ -350,8 +350,8 @@ class Late:
         (declared(tuple[()]), r"Own\.part: an array of ROS has elements"),
         (
             Late,
-            r"Late: an annotation cannot be read: name 'Unknown' is not defined; declare the message"
-            r" at the top of a module, or leave out `from __future__ import annotations`",
+            r"Late: an annotation cannot be read: name 'Unknown' is not defined; declare the"
+            r" message at the top of a module, or leave out `from __future__ import annotations`",
         ),
     ],
     ids=str,

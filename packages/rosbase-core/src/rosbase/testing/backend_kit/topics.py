@@ -119,10 +119,11 @@ class TopicChecks(BackendRig):
                 f"publishing {wrong!r} on a topic of Vector3",
                 self.topic,
             )
+        template: Any = Imu()
         self.refuses(
             promised,
             TypeError,
-            lambda: backend.prepared_sender(talker.publisher, Imu(), ["header.stamp"])(1),  # type: ignore[arg-type]
+            lambda: backend.prepared_sender(talker.publisher, template, ["header.stamp"])(1),
             "a prepared sender of an Imu on a topic of Vector3",
             self.topic,
         )
