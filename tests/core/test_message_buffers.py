@@ -256,9 +256,10 @@ def test_fields_that_a_class_does_not_compare_stay_out_of_the_comparison() -> No
         data: Annotated[ros.Buffer, ros.Numbers(ros.Width.UINT8)] = b""
 
         def __eq__(self, other: object) -> bool:
-            return isinstance(other, Counted) and len(bytes(self.data)) == len(bytes(other.data))  # type: ignore[arg-type]
+            return isinstance(other, Counted)
 
-        __hash__ = None  # type: ignore[assignment]
+        def __hash__(self) -> int:
+            return 1
 
     assert Counted(b"1") == Counted(b"2")
 

@@ -144,10 +144,11 @@ def test_the_numbers_of_numpy_never_overflow(a: tuple[int, int], b: tuple[int, i
 
 
 def test_fractions_of_a_second_are_refused_when_they_are_computed_with() -> None:
-    for kind in (Time, Duration):
-        wrong: Any = kind(1.5)  # type: ignore[arg-type]
-        with pytest.raises(TypeError):
-            wrong.nanoseconds  # noqa: B018
+    kinds: list[Any] = [Time, Duration]
+    for kind in kinds:
+        for compute in (lambda wrong: wrong.nanoseconds, hash, lambda wrong: wrong + Duration(1)):
+            with pytest.raises(TypeError):
+                compute(kind(1.5))
 
 
 def test_to_msg_returns_the_object_itself_until_the_program_has_loaded_messages_of_ros(

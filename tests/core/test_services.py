@@ -275,7 +275,8 @@ def test_a_frozen_request_is_not_copied(backend: LocalBackend) -> None:
 def test_a_request_that_cannot_be_copied_is_an_error_of_its_caller(backend: LocalBackend) -> None:
     backend.create_service(Write, "write", lambda request: request)
     client = backend.create_client(Write, "write")
-    wrong: Any = Pad([threading.Lock()])  # type: ignore[list-item]
+    lock: Any = threading.Lock()
+    wrong = Pad([lock])
     for call in (client.call, client.call_async):
         with pytest.raises(TypeError, match="cannot pickle"):
             call(wrong)

@@ -48,7 +48,10 @@ They are bytes, a read-only memoryview, a read-only numpy array, or, for few num
 
 
 class _Rule:
-    """What a buffer must be. Not of attrs, whose classes cost time at the start."""
+    """Width and size of a buffer, to check and compare it.
+
+    It is no class of attrs, because those cost time at the start.
+    """
 
     __slots__ = ("size", "width")
 

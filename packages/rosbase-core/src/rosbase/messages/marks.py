@@ -1,4 +1,4 @@
-"""What an annotation says of a field besides its type."""
+"""Marks in the annotations of fields: sizes, and widths of buffers."""
 
 from attrs import frozen
 
