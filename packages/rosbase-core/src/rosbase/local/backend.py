@@ -102,14 +102,12 @@ class LocalBackend(Backend):
         # Most programs have no service of their own.
         from rosbase.contracts.service_callback import check_service_type, service_answer
         from rosbase.contracts.service_server import ServiceServer
-        from rosbase.local.isolation import isolation
+        from rosbase.local.isolation import isolated
 
         check_service_type(srv_type, srv_name)
         name = self._check(srv_name, "service")
-        answer, isolate = service_answer(srv_type, name, callback), isolation(srv_type.Response)
-        service = ServiceServer(
-            name, lambda request: isolate(answer(request)), self.executor, self._logger
-        )
+        answer = isolated(service_answer(srv_type, name, callback), srv_type.Response)
+        service = ServiceServer(name, answer, self.executor, self._logger)
         self._bus.services.add_provider(name, type_name(srv_type), service)
         self._services.append(service)
         return service

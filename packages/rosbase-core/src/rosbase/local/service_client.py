@@ -1,11 +1,11 @@
 """The client of a service: hands its requests to the one that answers them."""
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rosbase.contracts.service_call import ServiceCall
 from rosbase.contracts.service_client import ServiceClient
 from rosbase.contracts.services import ServiceType
-from rosbase.local.isolation import isolation
+from rosbase.local.isolation import isolated
 from rosbase.local.service_registry import ServiceRegistry
 from rosbase.runtime.executor import Executor
 
@@ -27,7 +27,7 @@ class LocalClient(ServiceClient[RequestT, ResponseT]):
     ) -> None:
         super().__init__(srv_type, name, executor)
         self._registry = registry
-        self._isolate = isolation(srv_type.Request)
+        self._isolate = isolated(_same, srv_type.Request)
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
@@ -37,3 +37,7 @@ class LocalClient(ServiceClient[RequestT, ResponseT]):
         """Send the request of a call as soon as the service is there."""
         call.request = self._isolate(call.request)
         self._registry.send(self.service_name, call)
+
+
+def _same(request: Any) -> Any:
+    return request
