@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from rosbase.logger import use_console, use_log_file
+from rosbase.logger import use_console
+from rosbase.logger.log_file import use_log_file
 
 # Machines that run tests are busy; the time limit of the test run is the one that counts.
 settings.register_profile("rosbase", deadline=None)

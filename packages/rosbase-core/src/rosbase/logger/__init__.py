@@ -5,7 +5,7 @@ from rosbase.logger.custom import make_logger
 from rosbase.logger.filters import LogOptions
 from rosbase.logger.formatter import RosFormatter
 from rosbase.logger.levels import level_number
-from rosbase.logger.log_file import log_to_file, use_log_file
+from rosbase.logger.log_file import log_to_file
 from rosbase.logger.rosbase_logger import RosbaseLogger
 
 __all__ = [
@@ -17,5 +17,4 @@ __all__ = [
     "log_to_file",
     "make_logger",
     "use_console",
-    "use_log_file",
 ]

@@ -5,6 +5,7 @@ The file itself is imported when there is one, because few programs have one.
 
 import os
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosbase.logger.sizes import byte_count
@@ -29,7 +30,7 @@ _of_program: list["LogFile"] = []
 
 
 def log_file_at(
-    path: str | os.PathLike[str], max_size: str | int, count: int = DEFAULT_FILE_COUNT
+    path: str | Path, max_size: str | int, count: int = DEFAULT_FILE_COUNT
 ) -> "LogFile":
     """Return the log file at a path. In one process, there is one for each path.
 
@@ -67,7 +68,7 @@ def use_log_file(file: "LogFile | None") -> None:
 
 
 def log_to_file(
-    path: str | os.PathLike[str] | None,
+    path: str | Path | None,
     max_size: str | int = DEFAULT_FILE_SIZE,
     count: int = DEFAULT_FILE_COUNT,
 ) -> None:

@@ -1,6 +1,6 @@
 """A logger with a level and a file, as programs written for ros_base make it."""
 
-import os
+from pathlib import Path
 
 from rosbase.logger import RosbaseLogger
 from rosbase.logger.log_file import DEFAULT_FILE_COUNT, DEFAULT_FILE_SIZE, log_file_at
@@ -18,7 +18,7 @@ class CustomLogger(RosbaseLogger):
         self,
         name: str,
         level: str | int | None = None,
-        log_file: str | os.PathLike[str] | None = None,
+        log_file: str | Path | None = None,
         rotation: str | int | None = DEFAULT_FILE_SIZE,
         retention: int = DEFAULT_FILE_COUNT,
     ) -> None:

@@ -1,15 +1,16 @@
 """The frames of a camera: its body's, and its optical one (REP-103)."""
 
+from collections.abc import Sequence
 from typing import Any, overload
 
-from rosbase.utils.vectors import VectorLike, maths_for, numbers_of
+from rosbase.utils.vectors import VectorMessage, maths_for, numbers_of
 
 __all__ = ["trans_opt_to_ros_frame", "trans_ros_frame_to_opt_frame"]
 
 
 @overload
 def trans_ros_frame_to_opt_frame(
-    vector: "tuple[float, ...] | list[float] | VectorLike",
+    vector: Sequence[float] | VectorMessage,
 ) -> tuple[float, float, float]: ...
 @overload
 def trans_ros_frame_to_opt_frame(vector: Any) -> Any: ...
@@ -35,7 +36,7 @@ def trans_ros_frame_to_opt_frame(vector: Any) -> Any:
 
 @overload
 def trans_opt_to_ros_frame(
-    vector: "tuple[float, ...] | list[float] | VectorLike",
+    vector: Sequence[float] | VectorMessage,
 ) -> tuple[float, float, float]: ...
 @overload
 def trans_opt_to_ros_frame(vector: Any) -> Any: ...

@@ -13,7 +13,7 @@ from rosbase.utils.durations import Durations
 
 __all__ = ["profile_latency"]
 
-P = ParamSpec("P")
+ArgumentsT = ParamSpec("ArgumentsT")
 ResultT = TypeVar("ResultT")
 
 _NS_PER_S = 1_000_000_000
@@ -21,7 +21,9 @@ _NS_PER_MS = 1e6
 
 
 @overload
-def profile_latency(cycle_threshold_ms: Callable[P, ResultT], /) -> Callable[P, ResultT]: ...
+def profile_latency(
+    cycle_threshold_ms: Callable[ArgumentsT, ResultT], /
+) -> Callable[ArgumentsT, ResultT]: ...
 @overload
 def profile_latency(
     cycle_threshold_ms: float = 50,
@@ -32,7 +34,7 @@ def profile_latency(
     *,
     clock: Clock | None = None,
     logger: RosbaseLogger | None = None,
-) -> Callable[[Callable[P, ResultT]], Callable[P, ResultT]]: ...
+) -> Callable[[Callable[ArgumentsT, ResultT]], Callable[ArgumentsT, ResultT]]: ...
 def profile_latency(
     cycle_threshold_ms: Any = 50,
     process_threshold_ms: float = 20,
@@ -68,7 +70,7 @@ def profile_latency(
     if callable(cycle_threshold_ms):
         return profile_latency()(cycle_threshold_ms)
 
-    def decorate(function: Callable[P, ResultT]) -> Callable[P, ResultT]:
+    def decorate(function: Callable[ArgumentsT, ResultT]) -> Callable[ArgumentsT, ResultT]:
         _check(function)
         if not debug:
             return function
@@ -140,8 +142,8 @@ class _Latency:
 
 
 def _profiled(
-    function: Callable[P, ResultT], start: Callable[[object], _Latency]
-) -> Callable[P, ResultT]:
+    function: Callable[ArgumentsT, ResultT], start: Callable[[object], _Latency]
+) -> Callable[ArgumentsT, ResultT]:
     """Return the function with a measurement around it."""
     first = next(iter(inspect.signature(function).parameters), "")
     is_method = first in ("self", "cls")
@@ -163,7 +165,7 @@ def _profiled(
     nobody = id(None)
 
     @wraps(function)
-    def profiled(*args: P.args, **kwargs: P.kwargs) -> ResultT:
+    def profiled(*args: ArgumentsT.args, **kwargs: ArgumentsT.kwargs) -> ResultT:
         latency = found.get(id(args[0]) if is_method and args else nobody) or begin(args)
         start_ns = latency.read_ns()
         try:

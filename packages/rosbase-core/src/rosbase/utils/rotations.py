@@ -5,12 +5,13 @@ Quaternions of programs written for ros_base are w x y z. Those of ROS are x y z
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, TypeAlias, overload
 
 from rosbase.utils.angles import within_a_turn
 from rosbase.utils.vectors import (
     QuaternionMessage,
-    VectorLike,
+    VectorMessage,
     maths_for,
     numbers_of,
 )
@@ -23,7 +24,7 @@ _ORDERS = ("wxyz", "xyzw")
 
 @overload
 def quat_to_rpy(
-    quat: "tuple[float, ...] | list[float] | QuaternionMessage", *, order: Order = "wxyz"
+    quat: Sequence[float] | QuaternionMessage, *, order: Order = "wxyz"
 ) -> tuple[float, float, float]: ...
 @overload
 def quat_to_rpy(quat: Any, *, order: Order = "wxyz") -> Any: ...
@@ -42,7 +43,7 @@ def quat_to_rpy(quat: Any, *, order: Order = "wxyz") -> Any:
         order: `wxyz`, or `xyzw` as in ROS, of a list, tuple or array.
 
     Returns:
-        Radians: a tuple, or an array if an array is given.
+        A tuple of radians, or an array if an array is given.
 
     Raises:
         ValueError: There are not four numbers, or they are all 0, or one is not finite.
@@ -62,7 +63,7 @@ def rpy_to_quat(
 ) -> tuple[float, float, float, float]: ...
 @overload
 def rpy_to_quat(
-    roll: "tuple[float, ...] | list[float]", *, order: Order = "wxyz"
+    roll: Sequence[float], *, order: Order = "wxyz"
 ) -> tuple[float, float, float, float]: ...
 @overload
 def rpy_to_quat(roll: Any, pitch: Any = None, yaw: Any = None, *, order: Order = "wxyz") -> Any: ...
@@ -100,8 +101,8 @@ def rpy_to_quat(roll: Any, pitch: Any = None, yaw: Any = None, *, order: Order =
 
 @overload
 def quat_rotate_inverse(
-    quat: "tuple[float, ...] | list[float] | QuaternionMessage",
-    vector: "tuple[float, ...] | list[float] | VectorLike",
+    quat: Sequence[float] | QuaternionMessage,
+    vector: Sequence[float] | VectorMessage,
     *,
     order: Order = "wxyz",
 ) -> tuple[float, float, float]: ...

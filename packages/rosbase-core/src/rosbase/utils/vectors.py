@@ -6,14 +6,13 @@ The core does not depend on numpy. An array shows that the program has imported 
 import math
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 from attrs import frozen
 
 __all__ = [
     "Maths",
     "QuaternionMessage",
-    "VectorLike",
     "VectorMessage",
     "is_array",
     "maths_for",
@@ -47,9 +46,6 @@ class QuaternionMessage(VectorMessage, Protocol):
     def w(self) -> float:
         """Real part."""
         ...
-
-
-VectorLike: TypeAlias = "Sequence[float] | VectorMessage"
 
 
 @frozen
