@@ -68,6 +68,23 @@ def test_the_first_call_beyond_a_threshold_is_named_and_the_others_counted(
     assert log.messages[-1] == "work: process took 30.000 ms, more than 20"
 
 
+def test_many_calls_within_an_interval_are_all_counted(
+    clock: ManualClock, log: pytest.LogCaptureFixture
+) -> None:
+    @profile_latency(8, 20, log_interval_s=15.0, clock=clock, logger=RosbaseLogger("x"))
+    def work(seconds: float) -> None:
+        clock.advance(seconds)
+
+    # Every tenth call takes 10 ms, and the next one is late.
+    for number in range(7_899):
+        work(0.01 if number % 10 == 9 else 0.001)
+    warning, line = log.messages
+    assert warning == "work: cycle took 10.000 ms, more than 8"
+    # 789 times ten calls take 14.991 s.
+    assert line.startswith("work: cycle 1.899 ms (p50 1.0")
+    assert "max 10.000, 789 over 8); process 1.899 ms" in line
+
+
 def test_each_object_is_measured_on_its_own(
     clock: ManualClock, log: pytest.LogCaptureFixture
 ) -> None:

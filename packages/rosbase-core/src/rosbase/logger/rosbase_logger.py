@@ -105,12 +105,13 @@ class RosbaseLogger:
         self._log(logging.CRITICAL, message, values, options)
 
     def important(self, message: str, level: str | int = "INFO") -> None:
-        """Log a message that should stand out.
+        """Log a message that should stand out: between asterisks, and bold where there are colours.
 
         Raises:
             ValueError: There is no such level.
         """
-        self._log(message_level(level), f"*** {message} ***")
+        options: LogOptions = {"extra": {"is_important": True}}
+        self._log(message_level(level), f"*** {message} ***", (), options)
 
     def log_once(self, message: str, level: str | int = "INFO") -> None:
         """Log a message the first time only, from any place.

@@ -9,15 +9,12 @@ from typing import Any, ParamSpec, TypeVar, overload
 from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.node_connection import NodeConnection
 from rosbase.logger import RosbaseLogger
-from rosbase.utils.durations import Durations
+from rosbase.utils.call_times import MANY_CALLS, CallTimes
 
 __all__ = ["profile_latency"]
 
 ArgumentsT = ParamSpec("ArgumentsT")
 ResultT = TypeVar("ResultT")
-
-_NS_PER_S = 1_000_000_000
-_NS_PER_MS = 1e6
 
 
 @overload
@@ -75,103 +72,63 @@ def profile_latency(
         if not debug:
             return function
 
-        def start(owner: object) -> _Latency:
-            return _Latency(
+        def start(owner: object) -> CallTimes:
+            return CallTimes(
                 function.__qualname__.rpartition("<locals>.")[2],
                 clock or _clock_of(owner),
                 logger or _logger_of(owner),
-                Durations("cycle", cycle_threshold_ms),
-                Durations("process", process_threshold_ms),
-                Durations("age of the stamp") if check_capture_latency else None,
-                int(log_interval_s * _NS_PER_S),
+                cycle_threshold_ms,
+                process_threshold_ms,
+                log_interval_s,
             )
 
-        return _profiled(function, start)
+        return _profiled(function, start, has_age=check_capture_latency)
 
     return decorate
 
 
-class _Latency:
-    """Durations of one function, of one object if it is a method."""
-
-    def __init__(
-        self,
-        name: str,
-        clock: Clock,
-        logger: RosbaseLogger,
-        cycle: Durations,
-        process: Durations,
-        age: Durations | None,
-        interval_ns: int,
-    ) -> None:
-        self.read_ns = clock.monotonic_ns
-        self._name, self._clock, self._logger = name, clock, logger
-        self._cycle, self._process, self._age = cycle, process, age
-        self._interval_ns = interval_ns
-        self._last_ns: int | None = None
-        self._begun_ns = self.read_ns()
-
-    def add(self, start_ns: int, arguments: tuple[object, ...]) -> None:
-        """Add a call that has just ended."""
-        end_ns = self.read_ns()
-        last_ns, self._last_ns = self._last_ns, start_ns
-        if last_ns is not None and self._cycle.add(start_ns - last_ns):
-            self._warn(self._cycle, start_ns - last_ns)
-        if self._process.add(end_ns - start_ns):
-            self._warn(self._process, end_ns - start_ns)
-        if self._age is not None:
-            stamp_ns = _stamp_in(arguments)
-            if stamp_ns:
-                self._age.add(self._clock.now_ns() - (end_ns - start_ns) - stamp_ns)
-        if end_ns - self._begun_ns >= self._interval_ns:
-            self._report(end_ns)
-
-    def _warn(self, durations: Durations, duration_ns: int) -> None:
-        self._logger.warning(
-            f"{self._name}: {durations.name} took {duration_ns / _NS_PER_MS:.3f} ms,"
-            f" more than {durations.threshold_ms:g}"
-        )
-
-    def _report(self, now_ns: int) -> None:
-        kinds = [kind for kind in (self._cycle, self._process, self._age) if kind is not None]
-        parts = "; ".join(filter(None, (kind.report() for kind in kinds)))
-        self._logger.info(f"{self._name}: {parts}")
-        for kind in kinds:
-            kind.clear()
-        self._begun_ns = now_ns
-
-
 def _profiled(
-    function: Callable[ArgumentsT, ResultT], start: Callable[[object], _Latency]
+    function: Callable[ArgumentsT, ResultT], start: Callable[[object], CallTimes], *, has_age: bool
 ) -> Callable[ArgumentsT, ResultT]:
     """Return the function with a measurement around it."""
-    first = next(iter(inspect.signature(function).parameters), "")
-    is_method = first in ("self", "cls")
-    found: dict[int, _Latency] = {}
+    is_method = next(iter(inspect.signature(function).parameters), "") in ("self", "cls")
+    found: dict[int, CallTimes] = {}
+    watched: dict[int, Any] = {}
+    nobody = id(None)
 
-    def begin(arguments: tuple[object, ...]) -> _Latency:
+    def begin(arguments: tuple[object, ...]) -> CallTimes:
         owner = arguments[0] if is_method and arguments else None
         key = id(owner)
-        found[key] = latency = start(owner)
+        found[key] = times = start(owner)
         if owner is not None:
             try:
                 # Another object may get the same id later.
                 watched[key] = weakref.ref(owner, lambda _: (found.pop(key), watched.pop(key)))
             except TypeError:
+                # It cannot be watched, as one with slots alone.
                 pass
-        return latency
-
-    watched: dict[int, Any] = {}
-    nobody = id(None)
+        return times
 
     @wraps(function)
     def profiled(*args: ArgumentsT.args, **kwargs: ArgumentsT.kwargs) -> ResultT:
-        latency = found.get(id(args[0]) if is_method and args else nobody) or begin(args)
-        start_ns = latency.read_ns()
+        # In a loop that sleeps, the processor is cold, and each line here costs ten times as much.
+        times = found.get(id(args[0]) if is_method and args else nobody) or begin(args)
+        start_ns = times.read_ns()
         try:
             return function(*args, **kwargs)
         finally:
-            latency.add(start_ns, args)
+            end_ns = times.read_ns()
+            times.calls += (start_ns, end_ns)
+            if has_age:
+                times.add_age(args, end_ns - start_ns)
+            if (
+                start_ns > times.late_ns
+                or end_ns - start_ns > times.long_ns
+                or end_ns >= times.due_ns
+                or len(times.calls) > MANY_CALLS
+            ):
+                times.look_at(start_ns, end_ns)
+            times.late_ns = start_ns + times.cycle_ns
 
     return profiled
 
@@ -203,12 +160,3 @@ def _clock_of(owner: object) -> Clock:
 def _logger_of(owner: object) -> RosbaseLogger:
     logger = getattr(owner, "__dict__", {}).get("logger")
     return logger if isinstance(logger, RosbaseLogger) else RosbaseLogger("latency")
-
-
-def _stamp_in(arguments: tuple[object, ...]) -> int:
-    """Return the stamp of the first message in nanoseconds; 0 if there is none."""
-    for argument in arguments:
-        stamp = getattr(getattr(argument, "header", None), "stamp", None)
-        if stamp is not None and hasattr(stamp, "nanosec"):
-            return int(stamp.sec) * _NS_PER_S + int(stamp.nanosec)
-    return 0
