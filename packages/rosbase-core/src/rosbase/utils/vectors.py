@@ -6,6 +6,7 @@ The core does not depend on numpy. An array shows that the program has imported 
 import math
 import sys
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any, Protocol
 
 from attrs import frozen
@@ -86,8 +87,11 @@ def is_array(value: object) -> bool:
 
 def maths_for(*values: object) -> Maths:
     """Return the functions for arrays if one of the values is an array, else those for floats."""
-    if not any(map(is_array, values)):
-        return _FOR_FLOATS
+    return _for_arrays() if any(map(is_array, values)) else _FOR_FLOATS
+
+
+@cache
+def _for_arrays() -> Maths:
     numpy: Any = sys.modules["numpy"]
     return Maths(
         numpy.sin,
