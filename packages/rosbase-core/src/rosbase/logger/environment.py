@@ -6,6 +6,8 @@ import os
 from rosbase.errors import ConfigurationError
 from rosbase.logger.levels import level_number
 from rosbase.logger.log_file import DEFAULT_FILE_COUNT, DEFAULT_FILE_SIZE, log_to_file
+from rosbase.logger.sizes import byte_count
+from rosbase.text.printable import printable
 
 __all__ = ["FILE_VARIABLES", "LEVEL_VARIABLE", "apply_environment", "levels_in"]
 
@@ -62,6 +64,9 @@ def _apply_file(path: str) -> None:
     size = os.environ.get(size_name) or DEFAULT_FILE_SIZE
     count = os.environ.get(count_name) or str(DEFAULT_FILE_COUNT)
     try:
-        log_to_file(path or None, size, int(count))
+        byte_count(size)
     except ValueError as error:
-        raise ConfigurationError(f"{size_name}={size} {count_name}={count}: {error}") from None
+        raise ConfigurationError(f"{size_name}={printable(size)}: {error}") from None
+    if not count.isdecimal() or int(count) < 1:
+        raise ConfigurationError(f"{count_name}={printable(count)} is no number from 1 on")
+    log_to_file(path or None, size, int(count))
