@@ -47,7 +47,8 @@ class LogFile(RotatingFileHandler):
         self.setFormatter(RosFormatter())
         self._fault = ""
         self._has_failed = False
-        self._pid = os.getpid()
+        self._opened = (0, 0, 0)
+        """Process that opened the file, and what identifies the file."""
 
     def take_fault(self) -> str:
         """Return why the file cannot be written, in one line, the first time only; else nothing."""
@@ -65,18 +66,22 @@ class LogFile(RotatingFileHandler):
             why = one_line(getattr(error, "strerror", None) or str(error))
             self._fault = f"the log file {printable(self.baseFilename)} cannot be written: {why}"
 
-    def shouldRollover(self, record: logging.LogRecord) -> bool:  # noqa: N802 - of logging
-        """Return whether the file is full. First follow a file that was moved."""
-        if self._is_moved() or self._pid != os.getpid():
-            self._reopen()
-        return bool(super().shouldRollover(record))
+    def emit(self, record: logging.LogRecord) -> None:
+        """Append a record, in a new file if this one is full. `logging` calls it."""
+        # That of `logging` formats each record twice, and asks the system more often.
+        try:
+            line = self.format(record) + self.terminator
+            self._stream_with_room(len(line)).write(line)
+            self.flush()
+        except Exception:
+            self.handleError(record)
 
     def doRollover(self) -> None:  # noqa: N802 - of logging
         """Begin a new file, unless another process does so at this moment."""
         with self._turn() as is_ours:
             if not is_ours:
                 return
-            if self._is_moved():
+            if self._status() is None:
                 self._reopen()
             else:
                 super().doRollover()
@@ -87,31 +92,41 @@ class LogFile(RotatingFileHandler):
         if path.exists() and not path.is_file():
             # Opening a pipe may wait for ever.
             raise OSError("it is not a file")
-        self._pid = os.getpid()
-        return super()._open()
+        stream = super()._open()
+        self._opened = (os.getpid(), *_identity(os.fstat(stream.fileno())))
+        return stream
 
-    def _is_moved(self) -> bool:
-        """Return whether the path leads to another file than the open one, or to none."""
+    def _stream_with_room(self, size: int) -> TextIOWrapper:
+        """Return the file that is at the path now, or a new one if that one is full."""
+        found = self._status() or self._reopen()
+        if self.maxBytes and found.st_size and found.st_size + size > self.maxBytes:
+            self.doRollover()
         if self.stream is None:
-            return False
-        try:
-            there, ours = os.stat(self.baseFilename), os.fstat(self.stream.fileno())
-        except OSError:
-            return True
-        return (there.st_dev, there.st_ino) != (ours.st_dev, ours.st_ino)
+            self.stream = self._open()
+        return self.stream
 
-    def _reopen(self) -> None:
+    def _status(self) -> os.stat_result | None:
+        """Return the status of the file; None if it is not open in this process, or was moved."""
+        if self.stream is None:
+            return None
+        try:
+            found = os.stat(self.baseFilename)
+        except OSError:
+            return None
+        return found if (os.getpid(), *_identity(found)) == self._opened else None
+
+    def _reopen(self) -> os.stat_result:
         stream, self.stream = self.stream, None
         if stream is not None:
             stream.close()
         self.stream = self._open()
+        return os.fstat(self.stream.fileno())
 
     @contextmanager
     def _turn(self) -> Iterator[bool]:
         """Lock the file that is open now, if nobody else has; yield whether that is so."""
         # The lock belongs to what was opened, so a copy keeps it while `logging` closes the stream.
-        if self.stream is None:
-            self.stream = self._open()
+        assert self.stream is not None
         copy = os.dup(self.stream.fileno())
         try:
             try:
@@ -130,3 +145,7 @@ class LogFile(RotatingFileHandler):
             yield
         finally:
             self.release()
+
+
+def _identity(status: os.stat_result) -> tuple[int, int]:
+    return status.st_dev, status.st_ino
