@@ -133,8 +133,9 @@ def _install(session: nox.Session, *names: str) -> None:
 def tests(session: nox.Session, distribution: str) -> None:
     """The tests of one distribution, with nothing else of ours installed."""
     names, folder = DISTRIBUTIONS[distribution]
-    # Buffers of messages may be arrays of numpy, which rosbase itself never imports.
-    session.install("numpy", *TEST_TOOLS)
+    # Vectors and buffers of messages may be arrays of numpy, which rosbase itself never imports.
+    # Our rotations are compared with those of transforms3d.
+    session.install("numpy", "transforms3d>=0.4.2", *TEST_TOOLS)
     _install(session, *names)
     _test_on_each(session, folder)
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import settings
 
 from rosbase.logger import use_console
+from rosbase.logger.log_file import use_log_file
 
 # Machines that run tests are busy; the time limit of the test run is the one that counts.
 settings.register_profile("rosbase", deadline=None)
@@ -64,6 +65,7 @@ def own_surroundings(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     before = logger.handlers[:], logger.level, logger.propagate
     yield
     logger.handlers[:], logger.level, logger.propagate = before
+    use_log_file(None)
 
 
 def _open_descriptors() -> dict[str, str]:

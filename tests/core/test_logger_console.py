@@ -53,6 +53,17 @@ def test_each_token_of_rcutils_is_filled_in_and_nothing_else(template: str, line
     assert RosFormatter(template).format(record()) == line
 
 
+def test_what_is_important_is_bold_where_there_are_colours() -> None:
+    lines: list[str] = []
+    use_console(Console(lines.append, has_colour=True))
+    logging.getLogger("rosbase").propagate = False
+    RosbaseLogger("x").important("goal")
+    RosbaseLogger("x").warning("other")
+    assert lines[0].startswith("\x1b[0m\x1b[1m[INFO]")
+    assert lines[0].endswith("*** goal ***\x1b[0m\n")
+    assert lines[1].startswith("\x1b[33m[WARN]")
+
+
 def test_the_date_is_local_with_milliseconds() -> None:
     local = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(1_700_000_000))
     assert RosFormatter("{date_time_with_ms}").format(record()) == f"{local}.250"

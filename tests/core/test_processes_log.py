@@ -66,3 +66,22 @@ def test_each_record_of_a_child_is_in_the_log_once_with_its_level(
     end = "[ERROR] [BaseManager]: x:   OSError: gone"
     assert all(line.startswith("[ERROR] ") for line in traceback[: traceback.index(end)])
     assert err.count("bent by") == 1
+
+
+EARLY = """
+from rosbase import register_multiprocess_nodes, shutdown_multiprocess_nodes
+if __name__ == "__main__":
+    processes = register_multiprocess_nodes({}, {"x": "echo early; exit 3"})
+    while processes["x"].exit_code is None:
+        pass
+    shutdown_multiprocess_nodes(processes)
+"""
+
+
+def test_the_level_of_the_environment_counts_before_there_is_a_manager(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROSBASE_LOG_LEVEL", "error")
+    with running(tmp_path, EARLY) as program:
+        status, _, err = program.end()
+    assert (status, err) == (0, "[ERROR] [processes]: x: ended with status 3\n")

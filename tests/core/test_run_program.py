@@ -88,6 +88,12 @@ def test_levels_are_of_all_loggers_or_of_one(app: Path) -> None:
     assert done.stderr == "[DEBUG] [robot.rear]: built\n"
 
 
+def test_the_log_goes_to_a_file_too(app: Path) -> None:
+    done = run(app, "app.py", "--log-file", "logs/robot.log", "--log-level", "debug")
+    assert "[DEBUG] [robot.rear]: built\n" in done.stderr
+    assert without_times((app / "logs" / "robot.log").read_text()) == done.stderr
+
+
 @pytest.fixture
 def walker(tmp_path: Path) -> Path:
     (tmp_path / "walker.py").write_text(

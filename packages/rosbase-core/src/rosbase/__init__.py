@@ -1,7 +1,8 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
-`rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
+`rosbase.lifecycle`, `rosbase.utils` and `rosbase.testing`. The modules that define the names may
+change.
 """
 
 from importlib import import_module
@@ -124,6 +125,7 @@ if TYPE_CHECKING:
         LogOptions,
         RosbaseLogger,
         RosFormatter,
+        log_to_file,
         make_logger,
     )
     from rosbase.manager import (
@@ -347,6 +349,7 @@ __all__ = [
     "hand_over",
     "hookimpl",
     "installed_plugins",
+    "log_to_file",
     "make_logger",
     "message",
     "mismatch",
@@ -491,6 +494,7 @@ _HOMES = {
     "hand_over": "rosbase.contracts.transport",
     "hookimpl": "rosbase.plugins",
     "installed_plugins": "rosbase.plugins",
+    "log_to_file": "rosbase.logger",
     "make_logger": "rosbase.logger",
     "message": "rosbase.messages.fields",
     "mismatch": "rosbase.qos",
@@ -509,7 +513,7 @@ _HOMES = {
     "timer_period_ns": "rosbase.contracts.backend",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.
-_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
+_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing", "utils"}
 
 
 def __getattr__(name: str) -> Any:

@@ -10,7 +10,7 @@ from rosbase.cli.panel.fields import wrapped
 from rosbase.cli.screen import Screen
 from rosbase.logger import Console, level_number, use_console
 from rosbase.logger.console import wants_colour
-from rosbase.logger.environment import apply_levels
+from rosbase.logger.environment import apply_environment
 
 __all__ = ["LogOutput", "add_log_level", "log_to_stderr"]
 
@@ -61,7 +61,7 @@ def log_to_stderr(levels: Iterable[tuple[str, int]] = ()) -> LogOutput:
     logger.propagate = False
     logger.setLevel(logging.NOTSET)
     # Before those of the command line, which win.
-    apply_levels()
+    apply_environment()
     for name, level in levels:
         (logger.getChild(name) if name else logger).setLevel(level)
     return output

@@ -5,6 +5,7 @@ from rosbase.logger.custom import make_logger
 from rosbase.logger.filters import LogOptions
 from rosbase.logger.formatter import RosFormatter
 from rosbase.logger.levels import level_number
+from rosbase.logger.log_file import log_to_file
 from rosbase.logger.rosbase_logger import RosbaseLogger
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "RosFormatter",
     "RosbaseLogger",
     "level_number",
+    "log_to_file",
     "make_logger",
     "use_console",
 ]

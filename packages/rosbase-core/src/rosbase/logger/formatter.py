@@ -21,7 +21,7 @@ _NS_PER_MS = 1_000_000
 # backslash, of which rcutils loses parts of the format.
 _ESCAPES = {"\\a": "\a", "\\b": "\b", "\\n": "\n", "\\r": "\r", "\\t": "\t"}
 _COLOURS = {"DEBUG": "\x1b[32m", "INFO": "\x1b[0m", "WARN": "\x1b[33m"}
-_RED, _NORMAL = "\x1b[31m", "\x1b[0m"
+_RED, _NORMAL, _BOLD = "\x1b[31m", "\x1b[0m", "\x1b[1m"
 _INDENT = "  "
 
 _Part: TypeAlias = Callable[[logging.LogRecord], str]
@@ -80,7 +80,9 @@ class RosFormatter(logging.Formatter):
         text = "\n".join([line, *(_below(lines) for lines in below if lines)])
         if not self._has_colour:
             return text
-        return f"{_COLOURS.get(severity(record.levelno), _RED)}{text}{_NORMAL}"
+        colour = _COLOURS.get(severity(record.levelno), _RED)
+        bold = _BOLD if getattr(record, "is_important", False) else ""
+        return f"{colour}{bold}{text}{_NORMAL}"
 
 
 def _compile(template: str) -> list[str | _Part]:

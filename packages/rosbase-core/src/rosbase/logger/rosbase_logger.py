@@ -12,12 +12,15 @@ from rosbase.logger.console import current_console
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
+from rosbase.logger.log_file import current_log_file
 from rosbase.logger.record_text import error_of, fill_in, stack_of, traceback_of, whole_text
 from rosbase.text.printable import log_line
 
 if TYPE_CHECKING:
     # `typing` has it from Python 3.11 on.
     from typing_extensions import Unpack
+
+    from rosbase.logger.rotating_file import LogFile
 
 __all__ = ["RosbaseLogger"]
 
@@ -39,6 +42,9 @@ class RosbaseLogger:
     Every level takes `message, *values` as in `logging`, and the keyword arguments of
     `LogOptions`. A backend may listen, with its own handler.
     """
+
+    _file: "LogFile | None" = None
+    """A log file of its own, besides that of the program."""
 
     def __init__(
         self,
@@ -99,12 +105,13 @@ class RosbaseLogger:
         self._log(logging.CRITICAL, message, values, options)
 
     def important(self, message: str, level: str | int = "INFO") -> None:
-        """Log a message that should stand out.
+        """Log a message that should stand out: between asterisks, and bold where there are colours.
 
         Raises:
             ValueError: There is no such level.
         """
-        self._log(message_level(level), f"*** {message} ***")
+        options: LogOptions = {"extra": {"is_important": True}}
+        self._log(message_level(level), f"*** {message} ***", (), options)
 
     def log_once(self, message: str, level: str | int = "INFO") -> None:
         """Log a message the first time only, from any place.
@@ -151,7 +158,9 @@ class RosbaseLogger:
     def get_child(self, suffix: str) -> "RosbaseLogger":
         """Return a logger below this one, named `<name>.<suffix>`, with its level and listener."""
         name = f"{self.name}.{suffix}"
-        return RosbaseLogger(name, self._clock, self._listener, has_console=self._has_console)
+        child = RosbaseLogger(name, self._clock, self._listener, has_console=self._has_console)
+        child._file = self._file
+        return child
 
     def set_level(self, level: str | int) -> None:
         """Set the minimum level that is logged; 0 resets it.
@@ -265,13 +274,22 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Pass a copy of a record to the listener, with all of its text in the message."""
+        """Pass a record to log files, and a copy to the listener, with all text in its message."""
+        files = self._file, current_log_file()
+        for file in files[files[0] is files[1] :]:
+            if file is not None:
+                self._write_to(file, record)
         if self._listener is None:
             return
         heard = copy.copy(record)
         heard.name, heard.msg = self.name, whole_text(record)
         heard.exc_info = heard.exc_text = heard.stack_info = None
         self._listener.handle(heard)
+
+    def _write_to(self, file: "LogFile", record: logging.LogRecord) -> None:
+        file.handle(record)
+        if fault := file.take_fault():
+            self.warning(fault)
 
     def _first_time(self, level: int, message: str) -> bool:
         known = hash((level, message))

@@ -21,6 +21,7 @@ from attrs import evolve, field, frozen
 from rosbase.errors import ConfigurationError
 from rosbase.local import process_bus
 from rosbase.local.link import Link
+from rosbase.logger.environment import FILE_VARIABLES
 from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
 from rosbase.runtime.signal_masks import hold_signals
@@ -174,6 +175,12 @@ def _surroundings(name: str) -> dict[str, Any]:
     return {k: v for k, v in surroundings.items() if k not in ("authkey", "start_method")}
 
 
+def _inherited(mark: Mark) -> dict[str, str]:
+    """Return the environment of a child, without the log file: this process writes its output."""
+    environment = marked_environment(mark)
+    return {name: text for name, text in environment.items() if name not in FILE_VARIABLES}
+
+
 def _python() -> str:
     """Return the path of the Python that multiprocessing would start."""
     python = os.fsdecode(spawn.get_executable() or sys.executable)
@@ -225,7 +232,7 @@ def _start_guarded(
             stderr=write_end,
             pass_fds=[fd for fd in (theirs.fileno(), link_fd) if fd >= 0],
             start_new_session=True,
-            env=_BY_DEFAULT | marked_environment(order.mark) | own,
+            env=_BY_DEFAULT | _inherited(order.mark) | own,
             cwd=folder,
         )
         undo.pop_all()

@@ -9,6 +9,7 @@ from typing import Any
 from rosbase.contracts.names import check_node_name
 from rosbase.errors import ConfigurationError
 from rosbase.logger import RosbaseLogger
+from rosbase.logger.environment import apply_environment
 from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, NodeLaunch
 from rosbase.processes.restart import RestartPolicy, RestartWhen
@@ -146,6 +147,8 @@ def register_multiprocess_nodes(
         raise RuntimeError(_refusal)
     if os.name != "posix":
         raise ConfigurationError("child processes need a POSIX system")
+    # A child may have something for the log before there is a manager.
+    apply_environment()
     logger = logger or RosbaseLogger("processes")
     nodes, commands = mp_nodes_dict or {}, cmds_dict or {}
     names = [*nodes, *commands]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from rosbase.errors import ConfigurationError
-from rosbase.logger.environment import LEVEL_VARIABLE, levels_in
+from rosbase.logger.environment import FILE_VARIABLES, LEVEL_VARIABLE, levels_in
 from rosbase.parameters.given import (
     GIVEN_VARIABLE,
     GivenParameters,
@@ -23,7 +23,7 @@ __all__ = ["add_arguments", "take_arguments"]
 _FOR_THE_BACKEND = "--ros-args"
 _END = "--"
 _SHORT = "-p"
-_LONG = ("--params-file", "--backend", "--log-level")
+_LONG = ("--params-file", "--backend", "--log-level", "--log-file")
 # Linux takes 128 KiB for one variable of the environment.
 _MOST_CHARACTERS = 100_000
 
@@ -61,6 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="log from this level on: debug, info, warn, error, fatal; for one logger with NAME:=",
     )
+    parser.add_argument(
+        "--log-file",
+        metavar="FILE",
+        help="write the log to a file too; at 10 MB a new one is begun, and 5 old ones are kept",
+    )
 
 
 def take_arguments(
@@ -68,10 +73,10 @@ def take_arguments(
 ) -> list[str]:
     """Take the arguments of `rosbase run` from a command line, and return the others.
 
-    These are `-p name:=value`, `--params-file FILE`, `--backend NAME` and
-    `--log-level [NAME:=]LEVEL`. They apply to managers and nodes that are built later in this
-    process and in its child processes. Arguments after `--ros-args` are left alone, and so are
-    those after a `--`, which is left out.
+    These are `-p name:=value`, `--params-file FILE`, `--backend NAME`,
+    `--log-level [NAME:=]LEVEL` and `--log-file FILE`. They apply to managers and nodes that are
+    built later in this process and in its child processes. Arguments after `--ros-args` are left
+    alone, and so are those after a `--`, which is left out.
 
     Args:
         arguments: The command line without the program; by default that of this process.
@@ -126,6 +131,8 @@ def apply(taken: argparse.Namespace) -> None:
         text = ",".join(taken.levels)
         levels_in(text)
         os.environ[LEVEL_VARIABLE] = text
+    if taken.log_file:
+        os.environ[FILE_VARIABLES[0]] = taken.log_file
 
 
 def _assigned(text: str) -> GivenValue:

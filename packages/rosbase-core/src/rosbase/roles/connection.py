@@ -9,7 +9,7 @@ from attrs import evolve
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
 from rosbase.logger import RosbaseLogger, make_logger
-from rosbase.logger.environment import apply_levels
+from rosbase.logger.environment import apply_environment
 from rosbase.roles.context import ManagerContext
 
 __all__ = [
@@ -60,7 +60,7 @@ def open_logger(
         name: The name of the manager or node.
         custom: A class of the application, which is called with the name.
     """
-    apply_levels()
+    apply_environment()
     return make_logger(
         backend.log_name or name,
         custom,

@@ -67,6 +67,10 @@ class Latest(Generic[MessageT]):
         age_ns = self._now_ns() - last[1]
         return age_ns / _NS_PER_S if age_ns >= 0 else math.inf
 
+    def time_since_last_msg(self) -> float:
+        """Return `age_s`, under the name of programs written for ros_base."""
+        return self.age_s
+
     def is_fresh(self, timeout_s: float) -> bool:
         """Return whether a message arrived within the last `timeout_s` seconds."""
         age_s = self.age_s

@@ -8,9 +8,9 @@ from attrs import Factory, define, frozen
 from rosbase.cli.panel.bars import Scale, bar
 from rosbase.cli.panel.fields import Field, row, sentence
 from rosbase.cli.panel.style import Style
-from rosbase.imu.attitude import roll_pitch_yaw
 from rosbase.imu.covariance import measured
 from rosbase.messages import Imu, MagneticField, Vector3
+from rosbase.utils import quat_to_rpy
 
 __all__ = ["LEAST_HEIGHT", "LEAST_WIDTH", "Panel", "View"]
 
@@ -72,7 +72,7 @@ class Panel:
         if measured(sample.orientation, sample.orientation_covariance) is None:
             return [Field("orientation", "not measured", ("dim",))]
         degree = self.style.words("°", " deg")
-        angles = roll_pitch_yaw(sample.orientation)
+        angles = quat_to_rpy(sample.orientation)
         return [
             Field(name, f"{math.degrees(angle):+7.1f}{degree}")
             for name, angle in zip(("roll", "pitch", "yaw"), angles, strict=True)
