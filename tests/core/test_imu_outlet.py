@@ -25,7 +25,7 @@ class Desk:
     """Notes the templates that are prepared, and the values that are sent."""
 
     def __init__(self, mapped: tuple[str, ...]) -> None:
-        self.prepared: list[tuple[str, Imu]] = []
+        self.prepared: list[tuple[str, Any]] = []
         self.sent: list[tuple[Any, ...]] = []
         covariances = dict.fromkeys(GROUPS, COVARIANCE_UNKNOWN)
         publishers = Publishers(self.create, "imu")
@@ -34,44 +34,51 @@ class Desk:
     def create(self, msg_type: type, topic: str) -> Any:
         return Publisher(topic)
 
-    def prepare(self, publisher: Any, template: Imu) -> Any:
+    def prepare(self, publisher: Any, template: Any, varying: Any) -> Any:
         self.prepared.append((publisher.topic, template))
         return lambda *values: self.sent.append(values)
 
+    def topics(self) -> list[str]:
+        return [topic for topic, _ in self.prepared]
 
-@pytest.mark.parametrize(
-    ("mapped", "topic"),
-    [
-        (GROUPS, "imu/data"),
-        (("orientation",), "imu/data"),
-        (("angular_velocity", "linear_acceleration"), "imu/data_raw"),
-    ],
-)
-def test_the_sender_is_prepared_before_the_first_sample(
-    mapped: tuple[str, ...], topic: str
-) -> None:
-    desk = Desk(mapped)
-    [(prepared, template)] = desk.prepared
-    assert prepared == topic
-    is_reported = template.angular_velocity_covariance != COVARIANCE_NOT_REPORTED
-    assert is_reported == ("angular_velocity" in mapped)
-    sample = Sample(
-        orientation=ORIENTATION if "orientation" in mapped else None,
-        angular_velocity=VECTOR if "angular_velocity" in mapped else None,
-        linear_acceleration=VECTOR if "linear_acceleration" in mapped else None,
-        magnetic_field=None,
+
+def sample_of(*quantities: str) -> Sample:
+    """A sample that has these quantities."""
+    return Sample(
+        orientation=ORIENTATION if "orientation" in quantities else None,
+        angular_velocity=VECTOR if "angular_velocity" in quantities else None,
+        linear_acceleration=VECTOR if "linear_acceleration" in quantities else None,
+        magnetic_field=VECTOR if "magnetic_field" in quantities else None,
         device_time_ns=None,
     )
-    assert desk.outlet.publish(sample, 5)
-    assert len(desk.sent) == len(desk.prepared) == 1
+
+
+@pytest.mark.parametrize(
+    ("mapped", "topics"),
+    [
+        (GROUPS, ["imu/data", "imu/mag"]),
+        (("orientation",), ["imu/data"]),
+        (("angular_velocity", "linear_acceleration"), ["imu/data_raw"]),
+        (("magnetic_field",), ["imu/mag"]),
+    ],
+)
+def test_the_senders_are_prepared_before_the_first_sample(
+    mapped: tuple[str, ...], topics: list[str]
+) -> None:
+    desk = Desk(mapped)
+    assert desk.topics() == topics
+    for _, template in desk.prepared:
+        if isinstance(template, Imu):
+            is_reported = template.angular_velocity_covariance != COVARIANCE_NOT_REPORTED
+            assert is_reported == ("angular_velocity" in mapped)
+    for _ in range(2):
+        assert desk.outlet.publish(sample_of(*mapped), 5)
+    assert desk.topics() == topics
+    assert len(desk.sent) == 2 * len(topics)
 
 
 def test_the_sender_of_samples_that_lack_something_is_prepared_once_one_comes() -> None:
     desk = Desk(GROUPS)
     for _ in range(2):
-        assert desk.outlet.publish(Sample(None, VECTOR, VECTOR, None, None), 5)
-    assert [topic for topic, _ in desk.prepared] == ["imu/data", "imu/data_raw"]
-
-
-def test_nothing_is_prepared_for_a_device_that_measures_the_magnetic_field_only() -> None:
-    assert Desk(("magnetic_field",)).prepared == []
+        assert desk.outlet.publish(sample_of("angular_velocity", "linear_acceleration"), 5)
+    assert desk.topics() == ["imu/data", "imu/mag", "imu/data_raw"]

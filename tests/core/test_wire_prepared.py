@@ -73,6 +73,19 @@ def is_in(place: str, paths: list[str]) -> bool:
     return any(plain == path or plain.startswith((f"{path}.", f"{path}[")) for path in paths)
 
 
+def test_each_message_goes_to_the_function_that_finishes_it() -> None:
+    finished: list[Any] = []
+
+    def finish(message: Imu) -> bool:
+        finished.append(message)
+        return len(finished) == 1
+
+    template = Imu(header=Header(frame_id="frame"))
+    make, send = maker(template, ["header.stamp"]), maker(template, ["header.stamp"], finish)
+    assert [send(5), send(6)] == [True, False]
+    assert finished == [make(5), make(6)]
+
+
 @pytest.mark.parametrize(
     ("template", "path"),
     [

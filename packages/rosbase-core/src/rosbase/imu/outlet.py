@@ -1,6 +1,6 @@
 """Publish samples on the three topics of REP-145, with their stamps, and count the outcomes."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from rosbase.contracts.node_connection import Sender
@@ -13,8 +13,6 @@ from rosbase.messages import (
     Header,
     Imu,
     MagneticField,
-    Time,
-    Vector3,
 )
 from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 
@@ -55,17 +53,18 @@ class Outlet:
     def __init__(
         self,
         publishers: Publishers,
-        prepare: Callable[[LifecyclePublisher[Imu], Imu], Sender],
+        prepare: Callable[[LifecyclePublisher[Any], Any, Sequence[str]], Sender],
         frame_id: str,
         covariances: Mapping[str, Covariance],
         counts: Counts,
         mapped: Collection[str],
     ) -> None:
-        """Prepare the sender of samples that lack nothing; others when the first one comes.
+        """Prepare the senders of samples that lack nothing; others when the first one comes.
 
         Args:
             publishers: Publishers of the three topics.
-            prepare: Makes a sender of samples that resemble a given message.
+            prepare: Makes a sender of messages that differ from a given one in the fields that are
+                named.
             frame_id: Frame of all messages.
             covariances: Covariance of each quantity, where it is reported.
             counts: Counts the outcome of each sample.
@@ -79,10 +78,13 @@ class Outlet:
         self._senders: dict[_Absent, Sender] = {}
         # All three are enabled together.
         self._gate = publishers.data
+        # Not while the first sample waits for them.
         orientation, angular, linear = (name not in mapped for name in _MEASURED)
         if not (orientation and angular and linear):
-            # Not while the first sample waits for it.
             self._prepare_sender((orientation, angular, linear))
+        self._field_sender: Sender | None = None
+        if "magnetic_field" in mapped:
+            self._prepare_field_sender()
 
     def publish(self, sample: Sample, stamp_ns: int) -> bool:
         """Publish the quantities of the sample, and count it; return whether it was published.
@@ -105,7 +107,8 @@ class Outlet:
                 turned, rate = orientation or _NO_TURN, angular or _NO_VECTOR
                 sent = send(stamp_ns, turned, rate, linear or _NO_VECTOR) is not False
             if field:
-                sent = self._publish_field(field, stamp_ns) or sent
+                send = self._field_sender or self._prepare_field_sender()
+                sent = send(stamp_ns, field) is not False or sent
         except Exception:
             counts.add("not_sent")
             raise
@@ -114,11 +117,6 @@ class Outlet:
         else:
             counts.add("not_sent")
         return sent
-
-    def _publish_field(self, field: tuple[float, ...], stamp_ns: int) -> bool:
-        header = Header(Time.from_nanoseconds(stamp_ns), self._frame_id)
-        covariance = self._covariances["magnetic_field"]
-        return self._publishers.mag.publish(MagneticField(header, Vector3(*field), covariance))
 
     def _prepare_sender(self, absent: _Absent) -> Sender:
         turned, rate, force = (
@@ -132,5 +130,14 @@ class Outlet:
             linear_acceleration_covariance=force,
         )
         publisher = self._publishers.data_raw if absent[0] else self._publishers.data
-        self._senders[absent] = self._prepare(publisher, template)
+        self._senders[absent] = self._prepare(publisher, template, VARYING)
         return self._senders[absent]
+
+    def _prepare_field_sender(self) -> Sender:
+        template = MagneticField(
+            header=Header(frame_id=self._frame_id),
+            magnetic_field_covariance=self._covariances["magnetic_field"],
+        )
+        varying = ("header.stamp", "magnetic_field")
+        self._field_sender = self._prepare(self._publishers.mag, template, varying)
+        return self._field_sender

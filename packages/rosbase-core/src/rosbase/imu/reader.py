@@ -13,7 +13,7 @@ from rosbase.imu.diagnostics import Diagnostics
 from rosbase.imu.health import Health, HealthLevel
 from rosbase.imu.health_monitor import HealthMonitor
 from rosbase.imu.names import check_names
-from rosbase.imu.outlet import VARYING, Outlet, Publishers
+from rosbase.imu.outlet import Outlet, Publishers
 from rosbase.imu.pipeline import Pipeline
 from rosbase.imu.plugin_calls import finished, make_transport
 from rosbase.imu.settings import ReaderSettings, read_settings, reader_parameters
@@ -241,8 +241,8 @@ class ImuReader(LifecycleNode):
         assert self._topics is not None
         return Outlet(
             self._topics,
-            lambda publisher, like: self._connection.prepared_sender(
-                publisher.inner, like, VARYING
+            lambda publisher, like, varying: self._connection.prepared_sender(
+                publisher.inner, like, varying
             ),
             settings.frame_id,
             settings.covariances,

@@ -1,7 +1,6 @@
 """Stamp the samples of a message whose arrival is the only known time."""
 
 from collections import deque
-from statistics import median_low
 
 from rosbase.stamps import spread
 
@@ -42,4 +41,6 @@ class Spreading:
 
     def _usual_ns(self) -> int | None:
         """Return the usual time between samples; None before the second message."""
-        return median_low(self._steps_ns) if self._steps_ns else None
+        # The lower median. `statistics` costs half a millisecond at the start.
+        steps_ns = sorted(self._steps_ns)
+        return steps_ns[(len(steps_ns) - 1) // 2] if steps_ns else None
