@@ -12,8 +12,7 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 from attrs import Attribute, field
 
 from rosbase.messages.buffers import Buffer, numbers, protect_buffers
-from rosbase.messages.marks import AtMost, Fixed, Numbers
-from rosbase.messages.widths import Width
+from rosbase.messages.marks import AtMost, Fixed, Numbers, Width
 
 __all__ = [
     "AtMost",

@@ -9,7 +9,7 @@ import struct
 
 from attrs import frozen
 
-from rosbase.messages.widths import TYPECODES
+from rosbase.messages.marks import TYPECODES
 from rosbase.wire.description import Field, Kind, MessageType
 
 __all__ = ["HEADER", "ORDERS", "SIZES", "Run", "least_size", "least_size_of_element"]

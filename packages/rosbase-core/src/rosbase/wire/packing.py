@@ -6,7 +6,7 @@ from typing import Any
 
 from attrs import frozen
 
-from rosbase.messages.widths import TYPECODES, Width
+from rosbase.messages.marks import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.pieces import text_of, wide_text_of

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rosbase.errors import WireError
-from rosbase.messages.widths import TYPECODES, Width
+from rosbase.messages.marks import TYPECODES, Width
 from rosbase.text.printable import one_line
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
 from rosbase.wire.description import Field, Kind, MessageType, describe

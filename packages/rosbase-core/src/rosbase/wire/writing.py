@@ -9,7 +9,7 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from rosbase.messages.widths import TYPECODES, Width
+from rosbase.messages.marks import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES, Run
 from rosbase.wire.checking import made_usual
 from rosbase.wire.description import Field, Kind, MessageType, describe
