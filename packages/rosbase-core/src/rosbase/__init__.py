@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from rosbase.errors import (
         BackendError,
         ConfigurationError,
+        ControlError,
         DeviceBusyError,
         DeviceNotFoundError,
         DevicePermissionError,
@@ -238,6 +239,7 @@ __all__ = [
     "Clock",
     "CommandPlugin",
     "ConfigurationError",
+    "ControlError",
     "ConversionPlugin",
     "Descriptor",
     "Device",
@@ -382,6 +384,7 @@ _HOMES = {
     "Clock": "rosbase.clock",
     "CommandPlugin": "rosbase.plugins",
     "ConfigurationError": "rosbase.errors",
+    "ControlError": "rosbase.errors",
     "ConversionPlugin": "rosbase.plugins",
     "Descriptor": "rosbase.plugins",
     "Device": "rosbase.device",
