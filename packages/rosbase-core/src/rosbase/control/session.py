@@ -12,6 +12,7 @@ from rosbase.control.streams import Stream
 from rosbase.errors import ControlError
 
 if TYPE_CHECKING:
+    from rosbase.control.clients import Clients
     from rosbase.control.server import ControlServer
 
 __all__ = ["Session"]
@@ -37,7 +38,10 @@ _MOST_DISCARDED = 16
 class Session:
     """A connection. Unless it says so, everything here happens on the thread of the socket."""
 
-    def __init__(self, server: "ControlServer", connection: socket.socket) -> None:
+    def __init__(
+        self, clients: "Clients", server: "ControlServer", connection: socket.socket
+    ) -> None:
+        self._clients = clients
         self._server = server
         self._connection = connection
         self._reader = FrameReader(MOST_REQUEST)
@@ -72,7 +76,7 @@ class Session:
 
     def counts(self) -> dict[str, int]:
         """Return the number of clients, and of events that they have lost."""
-        return self._server.counts()
+        return self._clients.counts()
 
     def answered(self, request: Request, frame: dict[str, Any], data: bytes) -> None:
         """Send the answer of a request. Call it from any thread."""
@@ -270,7 +274,7 @@ class Session:
 
     def _answer(self, request: Request) -> None:
         try:
-            reply = self._server.find_answerer(request.ask)(self, request)
+            reply = self._clients.find_answerer(request.ask)(self, request)
         except ControlError as error:
             request.fail(error)
             return
@@ -306,10 +310,10 @@ class Session:
 
     def _begin_stream(self, request: Request, stream: Stream) -> None:
         self._streams[request.id] = stream
-        stream._wake = self._server.pump_soon(self)
+        stream._wake = self._clients.pump_soon(self)
         request.answer(stream.ok, stream.data)
         if self._pump(request.id, stream):
-            self._server.pump_again(self)
+            self._clients.pump_again(self)
 
     def _pump(self, number: int, stream: Stream) -> bool:
         # What is appended from now on wakes again.
