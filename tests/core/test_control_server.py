@@ -652,9 +652,13 @@ def test_our_answers_come_before_those_of_programs(path: str) -> None:
         assert client.ask("other") == {"mine": 2}
 
 
-# Forks and signals.
+# Forks.
+
+# Python warns of a fork in a process with threads, from 3.12 on.
+ignore_forks = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
 
 
+@ignore_forks
 def test_a_forked_child_keeps_nothing_and_may_have_a_socket_of_its_own(path: str) -> None:
     with Asker(path) as client:
         client.ask("process")
@@ -688,6 +692,7 @@ def test_a_forked_child_keeps_nothing_and_may_have_a_socket_of_its_own(path: str
     # Whoever connects is closed when the parent closes, whatever children there are.
 
 
+@ignore_forks
 def test_a_connection_ends_with_the_program_although_a_forked_child_lives() -> None:
     with offering() as path:
         client = Asker(path)
