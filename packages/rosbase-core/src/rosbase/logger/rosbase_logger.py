@@ -13,6 +13,7 @@ from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
 from rosbase.logger.log_file import current_log_file
+from rosbase.logger.observer import observers
 from rosbase.logger.record_text import error_of, fill_in, stack_of, traceback_of, whole_text
 from rosbase.text.printable import log_line
 
@@ -274,7 +275,9 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Pass a record to log files, and a copy to the listener, with all text in its message."""
+        """Pass a record to observers and log files, and a copy to the listener, with all its text."""
+        for observer in observers:
+            observer(record)
         files = self._file, current_log_file()
         for file in files[files[0] is files[1] :]:
             if file is not None:
