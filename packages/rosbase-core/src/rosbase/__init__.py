@@ -80,6 +80,7 @@ if TYPE_CHECKING:
     from rosbase.errors import (
         BackendError,
         ConfigurationError,
+        ControlError,
         DeviceBusyError,
         DeviceNotFoundError,
         DevicePermissionError,
@@ -241,6 +242,7 @@ __all__ = [
     "Clock",
     "CommandPlugin",
     "ConfigurationError",
+    "ControlError",
     "ConversionPlugin",
     "Descriptor",
     "Device",
@@ -391,6 +393,7 @@ _HOMES = {
     "Clock": "rosbase.clock",
     "CommandPlugin": "rosbase.plugins",
     "ConfigurationError": "rosbase.errors",
+    "ControlError": "rosbase.errors",
     "ConversionPlugin": "rosbase.plugins",
     "Descriptor": "rosbase.plugins",
     "Device": "rosbase.device",

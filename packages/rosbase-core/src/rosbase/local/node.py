@@ -7,6 +7,7 @@ from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscri
 from rosbase.contracts.node_view import NodeView
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.lifecycle import ManagedNode
+from rosbase.local.standard.offers import StandardOffers
 from rosbase.qos import QoSProfile
 
 __all__ = ["LocalNode"]
@@ -23,7 +24,7 @@ class LocalNode(NodeView):
         self,
         shared: NodeConnection,
         name: str,
-        offer_lifecycle: Callable[[str, ManagedNode], object],
+        standard: StandardOffers,
         claim: Callable[[Any, str], object],
     ) -> None:
         """Share a connection.
@@ -31,11 +32,11 @@ class LocalNode(NodeView):
         Args:
             shared: That of the manager.
             name: The name of the node.
-            offer_lifecycle: Answers the standard services of a node, under a name.
+            standard: Answers the standard services of its nodes.
             claim: Notes that a publisher, subscription, service or client is a node's.
         """
         super().__init__(shared, name, is_lifecycle=True)
-        self._offer_lifecycle = offer_lifecycle
+        self._standard = standard
         self._claim = claim
 
     def create_publisher(
@@ -77,6 +78,10 @@ class LocalNode(NodeView):
         self._claim(client, self.node_name)
         return client
 
+    def parameter_names(self) -> list[str]:
+        """Return the names of the node's parameters."""
+        return self._standard.parameters_of(self._prefix).names()
+
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Answer the standard services of a lifecycle node under the name of this one."""
-        self._offer_lifecycle(self.node_name, node)
+        self._standard.offer_lifecycle(self.node_name, node)
