@@ -305,6 +305,23 @@ def test_a_slow_client_loses_the_oldest_and_is_told(app: BaseManager) -> None:
     ask(app, questions)
 
 
+def test_what_a_latched_publisher_keeps_is_echoed_first(app: BaseManager) -> None:
+    def questions(client: Asker) -> None:
+        publisher: Any = robot(app).grip
+        for count in range(5):
+            publisher.publish(Grip(float(count)))
+        with streaming(client, "topic.echo", topic="/grip") as (number, _):
+            publisher.publish(Grip(5.0))
+            found = [event(client, number) for _ in range(3)]
+            assert [deserialize(data, Grip).width for _, data in found] == [3.0, 4.0, 5.0]
+            # Nobody knows when they were published.
+            dates = [facts["stamp_ns"] for facts, _ in found]
+            assert [date is None for date in dates] == [True, True, False]
+            end(client, number)
+
+    ask(app, questions)
+
+
 def test_only_some_messages_are_echoed_if_that_is_asked(app: BaseManager) -> None:
     def questions(client: Asker) -> None:
         publisher: Any = robot(app).grip
