@@ -125,7 +125,7 @@ def subscribe(go: str) -> None:
     Path(go).touch()
     try:
         rclpy.spin(node)
-    except ExternalShutdownException:
+    except (ExternalShutdownException, KeyboardInterrupt):
         pass
     print(time.process_time_ns() - before_ns, counted[0])
 
