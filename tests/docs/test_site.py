@@ -68,7 +68,7 @@ def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
     assert modules - INTERNAL == {
         name
         for name in shown
-        if not name.startswith(("imu.", "testing.", "local", "messages.", "utils."))
+        if not name.startswith(("imu.", "testing.", "local", "messages.", "utils.", "wire."))
     }
 
 

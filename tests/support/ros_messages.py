@@ -4,8 +4,8 @@ from array import array
 from importlib import import_module
 from typing import Any
 
-from rosbase.messages.marks import TYPECODES, Width
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.messages.widths import TYPECODES, Width
+from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["as_ros", "ros_class"]
 

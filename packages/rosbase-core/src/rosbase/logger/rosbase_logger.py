@@ -275,7 +275,7 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Pass a record to observers and log files, and a copy to the listener, with all its text."""
+        """Pass a record to observers and log files, and a copy with all text to the listener."""
         for observer in observers:
             observer(record)
         files = self._file, current_log_file()

@@ -11,8 +11,9 @@ from typing import Any, Protocol, TypeAlias
 
 from attrs import Attribute, field
 
-from rosbase.messages.marks import TYPECODES, Fixed, Numbers, Width, is_of
+from rosbase.messages.marks import Fixed, Numbers
 from rosbase.messages.pickling import make_picklable
+from rosbase.messages.widths import TYPECODES, Width, is_of
 
 __all__ = ["Buffer", "numbers", "protect_buffers"]
 

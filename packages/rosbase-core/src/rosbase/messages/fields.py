@@ -12,7 +12,8 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 from attrs import Attribute, field
 
 from rosbase.messages.buffers import Buffer, numbers, protect_buffers
-from rosbase.messages.marks import AtMost, Fixed, Numbers, Width
+from rosbase.messages.marks import AtMost, Fixed, Numbers
+from rosbase.messages.widths import Width
 
 __all__ = [
     "AtMost",

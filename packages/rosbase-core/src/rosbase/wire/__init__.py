@@ -9,28 +9,29 @@ from typing import TYPE_CHECKING
 from rosbase.messages.lazy import names_of, on_demand
 
 if TYPE_CHECKING:
-    from rosbase.wire.description import MessageType, describe
+    from rosbase.wire.class_reader import deserialize, reader
+    from rosbase.wire.class_writer import serialize, writer
+    from rosbase.wire.description import describe
+    from rosbase.wire.hashes import dds_type_name, type_hash
     from rosbase.wire.making import maker
     from rosbase.wire.packing import packer
-    from rosbase.wire.reading import deserialize, reader
-    from rosbase.wire.schema_text import schema
-    from rosbase.wire.type_names import dds_type_name, type_hash
-    from rosbase.wire.writing import serialize, writer
+    from rosbase.wire.schemas import schema
+    from rosbase.wire.structure import MessageType
 else:
     __getattr__ = on_demand(
         __name__,
         {
-            "MessageType": "description",
-            "dds_type_name": "type_names",
+            "MessageType": "structure",
+            "dds_type_name": "hashes",
             "describe": "description",
-            "deserialize": "reading",
+            "deserialize": "class_reader",
             "maker": "making",
             "packer": "packing",
-            "reader": "reading",
-            "schema": "schema_text",
-            "serialize": "writing",
-            "type_hash": "type_names",
-            "writer": "writing",
+            "reader": "class_reader",
+            "schema": "schemas",
+            "serialize": "class_writer",
+            "type_hash": "hashes",
+            "writer": "class_writer",
         },
         __name__,
     )

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from rosbase.messages.fields import Width
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.messages.widths import Width
+from rosbase.wire.structure import Field, Kind, MessageType
 from rosbase.wire.values import (
     as_bool,
     as_float,

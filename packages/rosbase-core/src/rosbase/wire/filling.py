@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import attrs
 
-from rosbase.wire.description import Field, MessageType
 from rosbase.wire.source import Source
+from rosbase.wire.structure import Field, MessageType
 
 __all__ = ["can_be_filled", "filled"]
 

@@ -6,13 +6,13 @@ from typing import Any
 
 from attrs import frozen
 
-from rosbase.messages.marks import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES
+from rosbase.wire.class_writer import writer
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.pieces import text_of, wide_text_of
 from rosbase.wire.source import Source
 from rosbase.wire.varying import NS_PER_S, TIMES, arguments_of, is_within, kind_of
-from rosbase.wire.writing import writer
 
 __all__ = ["packer"]
 

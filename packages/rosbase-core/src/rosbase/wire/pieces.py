@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rosbase.errors import WireError
-from rosbase.messages.marks import is_of
+from rosbase.messages.widths import is_of
 
 __all__ = [
     "WIDE_SIZE",

@@ -7,8 +7,8 @@ numbers; and for a number, the number.
 
 from collections.abc import Sequence
 
-from rosbase.messages.marks import TYPECODES, Width
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.messages.widths import TYPECODES, Width
+from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["NS_PER_S", "TIMES", "arguments_of", "is_within", "kind_of"]
 

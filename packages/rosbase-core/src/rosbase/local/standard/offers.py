@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Sequence
 from functools import partial
+from importlib import import_module
 from typing import Any
 
 from rosbase.contracts.backend import Backend, Publisher
@@ -162,8 +163,13 @@ class StandardOffers:
             publisher.publish(event)
 
     def _heard_type(self, topic: str, kind: str) -> type | None:
-        """Return the class of a topic if it has subscriptions of that type."""
-        heard = None if self._is_closed else self._bus.heard_type(topic)
+        """Return the class of a topic if it has subscriptions of that type, or a tap."""
+        if self._is_closed:
+            return None
+        heard = self._bus.heard_type(topic)
+        if heard is None and self._bus.is_tapped(topic):
+            module, _, name = kind.rpartition(".")
+            heard = getattr(import_module(module), name)
         return heard if heard is not None and type_name(heard) == kind else None
 
     def _publisher(self, heard: type, topic: str, depth: int) -> Publisher[Any]:
