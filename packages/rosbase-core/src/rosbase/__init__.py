@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from rosbase.errors import (
         BackendError,
         ConfigurationError,
+        ControlError,
         DeviceBusyError,
         DeviceNotFoundError,
         DevicePermissionError,
@@ -242,6 +243,7 @@ __all__ = [
     "Clock",
     "CommandPlugin",
     "ConfigurationError",
+    "ControlError",
     "ConversionPlugin",
     "Descriptor",
     "Device",
@@ -386,6 +388,7 @@ _HOMES = {
     "Clock": "rosbase.clock",
     "CommandPlugin": "rosbase.plugins",
     "ConfigurationError": "rosbase.errors",
+    "ControlError": "rosbase.errors",
     "ConversionPlugin": "rosbase.plugins",
     "Descriptor": "rosbase.plugins",
     "Device": "rosbase.device",
