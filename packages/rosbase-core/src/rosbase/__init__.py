@@ -519,7 +519,7 @@ _PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
 
 def __getattr__(name: str) -> Any:
     """Import each name on first use, so that the command line starts at once."""
-    from importlib import import_module  # noqa: PLC0415 - as said
+    from importlib import import_module
 
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("rosbase-core")

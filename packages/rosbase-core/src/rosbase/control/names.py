@@ -19,7 +19,7 @@ def absolute(name: str) -> str:
 def similar(name: str, known: Iterable[str]) -> list[str]:
     """Return up to three known names that may have been meant."""
     # Only after a mistake.
-    from difflib import get_close_matches  # noqa: PLC0415 - as said
+    from difflib import get_close_matches
 
     names = sorted(set(known))
     last = name.rpartition("/")[2]

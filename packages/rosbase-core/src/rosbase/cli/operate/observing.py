@@ -20,7 +20,7 @@ __all__ = ["bandwidth", "delay", "echo", "rate"]
 
 def echo(given: Any) -> int:
     """Print messages as `ros2 topic echo` does, until Ctrl-C; the status tells of none."""
-    from rosbase.cli.operate.message_text import writer_for  # noqa: PLC0415 - hz needs it not
+    from rosbase.cli.operate.message_text import writer_for
 
     if given.json and given.csv:
         raise UsageError("--json and --csv: choose one")
@@ -81,7 +81,7 @@ def delay(given: Any) -> int:
 
 
 def _report(given: Any, measure: str, text_of: Callable[[Any], str]) -> int:
-    from rosbase.cli.operate.pool import Pool  # noqa: PLC0415 - echo needs it not
+    from rosbase.cli.operate.pool import Pool
 
     if measure == "bytes":
         name = TopicQuestions(given.program).topic(given.topic)["name"]

@@ -32,7 +32,7 @@ def show_type(given: Any) -> None:
 
 def call(given: Any) -> None:
     """Call a service; print the request and the response as `ros2 service call` does."""
-    from rosbase.cli.operate.values import (  # noqa: PLC0415 - a list needs it not
+    from rosbase.cli.operate.values import (
         as_call,
         decoded,
         encoded,

@@ -49,7 +49,7 @@ def _is_in_several(topic: Topic) -> bool:
 
 def _warn_of_several(questions: TopicQuestions, topics: list[Topic]) -> None:
     """Say on stderr which topics are two topics of one name, because no bus joins them."""
-    from rosbase.control.buses import buses, on_several  # noqa: PLC0415 - seldom needed
+    from rosbase.control.buses import buses, on_several
 
     processes = questions.processes()
     all_buses = buses(processes)
@@ -73,13 +73,13 @@ def show_info(given: Any) -> None:
         print(f"Subscription count: {len(topic['subscriptions'])}")
     processes = questions.processes()
     _show_programs(topic, processes)
-    from rosbase.control.buses import buses, on_several  # noqa: PLC0415 - a list needs it not
+    from rosbase.control.buses import buses, on_several
 
     _show_gap(topic, on_several(topic, buses(processes)), processes)
 
 
 def _show_programs(topic: Topic, processes: list[Process]) -> None:
-    from rosbase.control.questions.base import label  # noqa: PLC0415 - as above
+    from rosbase.control.questions.base import label
 
     print()
     for process in processes:
@@ -111,7 +111,7 @@ def _show_gap(topic: Topic, found: list[Bus], processes: list[Process]) -> None:
 
 
 def _bus_name(bus: Bus, processes: Iterable[Process]) -> str:
-    from rosbase.control.questions.base import label  # noqa: PLC0415 - as above
+    from rosbase.control.questions.base import label
 
     return " + ".join(label(process) for process in processes if process["pid"] in bus.pids)
 

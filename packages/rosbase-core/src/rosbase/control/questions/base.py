@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Questions", "label"]
 
+
 def label(process: Process) -> str:
     """Return how a process is named in a message: `robot [4711]`."""
     return f"{process['name'].lstrip('/') or 'process'} [{process['pid']}]"
@@ -94,7 +95,7 @@ class Questions:
         if len(those) == 1:
             return those[0]
         # Only after a mistake.
-        from rosbase.control import names  # noqa: PLC0415 - as said
+        from rosbase.control import names
 
         if not those:
             known = [n for p in processes for n in (*_names_of(p), str(p["pid"]))]
@@ -123,7 +124,7 @@ class Questions:
         pids = set(owners.get(full, ()))
         if len(pids) == 1:
             return full, pids.pop()
-        from rosbase.control import names  # noqa: PLC0415 - as above
+        from rosbase.control import names
 
         return names.one_of(kind, name, owners, self._labels() if pids else {})
 

@@ -20,7 +20,7 @@ class Publication:
     def __init__(
         self, pid: int, topic: str, message_type: str | None, qos: Mapping[str, Any]
     ) -> None:
-        from rosbase.wire.plain import decoder, encoder  # noqa: PLC0415 - others need it not
+        from rosbase.wire.plain import decoder, encoder
 
         self._connection = connect_to(pid)
         try:
@@ -116,7 +116,7 @@ class PublishQuestions(TopicQuestions):
         subscribed = {end["pid"] for end in topic["subscriptions"]}
         hearing = [bus for bus in found if bus.pids & subscribed] or found
         if len(hearing) > 1:
-            from rosbase.control.names import ambiguous  # noqa: PLC0415 - only after a mistake
+            from rosbase.control.names import ambiguous
 
             labels = self._labels()
             who = [labels[min(bus.pids)] for bus in hearing]
@@ -137,6 +137,6 @@ class PublishQuestions(TopicQuestions):
 
 
 def _now_ns() -> int:
-    from rosbase.clock import SystemClock  # noqa: PLC0415 - for stamps only
+    from rosbase.clock import SystemClock
 
     return SystemClock().now_ns()

@@ -23,7 +23,7 @@ class PreparedService:
 
     def __init__(self, name: str, pid: int, kind: str) -> None:
         # Lists of services need none of it.
-        from rosbase.wire.plain import decoder, encoder  # noqa: PLC0415 - as said
+        from rosbase.wire.plain import decoder, encoder
 
         self.name = name
         self.pid = pid
@@ -55,9 +55,7 @@ class PreparedService:
             "service": self.name, "type": self.type, "timeout_ns": int(timeout_s * 1e9)
         }  # fmt: skip
         # A little longer, so that the answer says why there is no response.
-        _, answer = ask_one(
-            self.pid, "service.call", arguments, data, timeout_s + _SPARE_S
-        )
+        _, answer = ask_one(self.pid, "service.call", arguments, data, timeout_s + _SPARE_S)
         return self._decode(answer)
 
 
@@ -66,12 +64,12 @@ class ServiceQuestions(Questions):
 
     def services(self) -> list[Service]:
         """Return the services of all programs, by name."""
-        found = [
+        found: list[Any] = [
             {**service, "pid": pid}
             for pid, answer in self._gather("service.list")
             for service in answer["services"]
         ]
-        return sorted(found, key=lambda service: (service["name"], service["pid"]))  # type: ignore[return-value]
+        return sorted(found, key=lambda service: (service["name"], service["pid"]))
 
     def call(
         self,
