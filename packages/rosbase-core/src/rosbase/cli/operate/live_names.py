@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 WITH_SLASH = frozenset(("topics", "nodes", "services", "lifecycle_nodes"))
 """Kinds of names whose slash in front may be left out."""
 
-# Nobody waits longer for a Tab.
-_WAIT_S = 0.4
+# Only a program that hangs takes so long.
+_WAIT_S = 1.0
 
 
 def topics(_arguments: list[str], program: str | None, _current: str) -> Names:
