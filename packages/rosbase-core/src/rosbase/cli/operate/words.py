@@ -4,7 +4,16 @@ Parsing, help, completion and the documentation's tests all read it. It needs no
 import takes as long as half a start of Python.
 """
 
-__all__ = ["GROUPS", "PROGRAM", "Argument", "Command", "Group", "Option", "all_options"]
+__all__ = [
+    "GROUPS",
+    "HELP",
+    "PROGRAM",
+    "Argument",
+    "Command",
+    "Group",
+    "Option",
+    "all_options",
+]
 
 
 class Option:
