@@ -14,10 +14,11 @@ ROOT = Path(__file__).parents[2]
 # modules of its own: how it starts, what the machine must offer, what users set from outside,
 # messages that are refused, questions for the main loop, parameters as they are written, a
 # program's own rclpy, and the turns of its tasks; services, with their two ends, their messages,
-# and a watch. The nodes of one process, each a node of ROS, share a context. A serial port has
-# surroundings, each a subject of its own: the driver, other programs and who they are, two kinds
-# of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 44}
+# and a watch; taps, the graph, and formats of messages, for those who look at a program. The nodes
+# of one process, each a node of ROS, share a context. A serial port has surroundings, each a
+# subject of its own: the driver, other programs and who they are, two kinds of network, and the
+# speed of a UART.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 47}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -82,6 +82,16 @@ class RosPublisher:
 
         return send_values
 
+    @property
+    def msg_type(self) -> type:
+        """Class of its messages."""
+        return self._msg_type
+
+    def refresh(self) -> None:
+        """Look again what `publish` of the rclpy publisher is; `taps` replaces it."""
+        if self._send is not None:
+            self._send = self.inner.publish
+
     def close(self) -> None:
         """Stop sending."""
         self._send = None
@@ -90,7 +100,7 @@ class RosPublisher:
 class RosSubscription(QueuedSubscription):
     """Last messages of a topic, converted when they are handled."""
 
-    __slots__ = ("_decode", "_handle", "_logger", "inner")
+    __slots__ = ("_decode", "_handle", "_logger", "inner", "msg_type")
 
     def __init__(
         self,
@@ -102,6 +112,8 @@ class RosSubscription(QueuedSubscription):
     ) -> None:
         super().__init__("", self._take, depth, schedule)
         self._decode, self._handle = courier.decode, callback
+        self.msg_type = courier.msg_type
+        """Class of its messages."""
         self._logger = logger
         self.inner: Any = None
         """Subscription of rclpy."""
