@@ -41,7 +41,7 @@ print(*names, sep="\\n")
 
 def has_rclpy() -> bool:
     try:
-        import rclpy  # noqa: F401, PLC0415
+        import rclpy  # noqa: F401
     except ImportError:
         return False
     return True

@@ -36,6 +36,8 @@ INTERNAL = {
         "runtime.stopping",
         "runtime.waiting",
         "text.toml",
+        "text.yaml_flow",
+        "text.yaml_text",
     ),
 }
 ROOMS = ("contracts", "roles", "runtime", "text")
@@ -66,7 +68,7 @@ def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
     assert modules - INTERNAL == {
         name
         for name in shown
-        if not name.startswith(("imu.", "testing.", "local", "messages.", "wire."))
+        if not name.startswith(("control.", "imu.", "testing.", "local", "messages.", "wire."))
     }
 
 
@@ -79,7 +81,10 @@ def test_every_public_name_is_on_the_page_that_lists_them_with_a_summary() -> No
 def test_a_public_name_does_not_depend_on_where_it_is_defined() -> None:
     allowed = {
         "rosbase",
-        *(f"rosbase.{name}" for name in ("messages", "wire", "fsm", "lifecycle", "testing")),
+        *(
+            f"rosbase.{name}"
+            for name in ("messages", "wire", "fsm", "lifecycle", "control", "testing")
+        ),
     }
     sources = [*PAGES, *ROOT.glob("docs/examples/**/*.py"), *ROOT.glob("docs/template/**/*.jinja")]
     for source in sources:

@@ -1,7 +1,7 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
-`rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
+`rosbase.lifecycle`, `rosbase.control` and `rosbase.testing`. The modules that define the names may change.
 """
 
 from __future__ import annotations
@@ -529,7 +529,7 @@ _HOMES = {
     "type_name_of": "rosbase.contracts.graph",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.
-_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
+_PUBLIC_MODULES = {"control", "fsm", "lifecycle", "messages", "testing"}
 
 
 def __getattr__(name: str) -> Any:

@@ -19,7 +19,7 @@ _CUT = "..."
 
 
 class Limits:
-    """What is left out of a message."""
+    """Limits of lists and texts in a message."""
 
     __slots__ = ("length", "no_lists", "no_texts")
 

@@ -38,12 +38,12 @@ class Option:
         self.value = value
         """Name of its value in the help; empty for a switch."""
         self.kind = kind
-        """What the value must be: text, positive (number), whole (number) or count (0 or more)."""
+        """Kind of its value: text, positive (number), whole (number) or count (0 or more)."""
         self.default = default if value or default is not None else False
         self.many = many
         """Whether it can be given several times, so that its value is a list."""
         self.completes = completes
-        """What a shell offers for its value: a kind of live name, or words."""
+        """Candidates that a shell offers for its value: a kind of live name, or words."""
 
     @property
     def key(self) -> str:
