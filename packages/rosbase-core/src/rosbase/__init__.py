@@ -1,7 +1,8 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
-`rosbase.lifecycle`, `rosbase.control` and `rosbase.testing`. The modules that define the names may change.
+`rosbase.lifecycle`, `rosbase.control` and `rosbase.testing`. The modules that define the names may
+change.
 """
 
 from __future__ import annotations
