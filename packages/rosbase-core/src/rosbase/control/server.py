@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosbase.clock import SystemClock
-from rosbase.control.recent_log import recent_log
 from rosbase.control.socket_file import SocketFile, remove_strays
 from rosbase.control.unheard import Unheard
 from rosbase.logger import RosbaseLogger
@@ -87,12 +86,10 @@ class ControlServer:
             self._file.remove()
             self._release()
             raise
-        recent_log.start()
 
     def close(self) -> None:
         """End the thread and remove the socket; connections are closed."""
         self._file.remove()
-        recent_log.stop()
         self._is_ending = True
         self._pipe.wake()
         self._thread.join(_END_S)
@@ -101,7 +98,6 @@ class ControlServer:
 
     def forget(self) -> None:
         """Close the descriptors in a forked child, whose parent goes on serving."""
-        recent_log.stop()
         self._file.listener.close()
         if self._clients is not None:
             self._clients.forget()
