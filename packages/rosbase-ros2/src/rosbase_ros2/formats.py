@@ -1,6 +1,7 @@
 """How messages of a class look outside this process: for classes of rosbase and of ROS."""
 
 import re
+from importlib import import_module
 from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
@@ -13,7 +14,7 @@ from rosbase.wire.structure import Field, Kind, MessageType
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.courier import courier_of, ros_class
 
-__all__ = ["ros_format", "structure_of"]
+__all__ = ["find_ros_type", "ros_format", "structure_of"]
 
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(, (?P<size>\d+))?>")
 _ARRAY = re.compile(r"(?P<element>.+)\[(?P<size>\d+)\]")
@@ -52,6 +53,25 @@ def ros_format(msg_type: Any, conversions: Conversions) -> MessageFormat:
         return courier.decode(ros)
 
     return MessageFormat(own.name, schema_of(own, with_defaults=True), hash_of(own), encode, decode)
+
+
+def find_ros_type(type_name: str) -> Any:
+    """Return the class of ROS for a message or a service.
+
+    Raises:
+        TypeError: ROS has none; the text says what may help.
+    """
+    package, _, rest = type_name.partition("/")
+    kind, _, own = rest.partition("/")
+    found = None
+    if package.isidentifier() and kind in ("msg", "srv"):
+        try:
+            found = getattr(import_module(f"{package}.{kind}"), own, None)
+        except ImportError:
+            found = None
+    if not isinstance(found, type):
+        raise TypeError(f"there is no {type_name}, neither in rosbase nor in ROS as installed")
+    return found
 
 
 def structure_of(ros_type: Any) -> MessageType:

@@ -36,7 +36,7 @@ from rosbase_ros2.clock import RosClock
 from rosbase_ros2.courier import courier_of
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import Retirement
-from rosbase_ros2.formats import ros_format
+from rosbase_ros2.formats import find_ros_type, ros_format
 from rosbase_ros2.given import given_parameters, own_first
 from rosbase_ros2.graph import ros_graph
 from rosbase_ros2.kinds import name_of
@@ -308,6 +308,13 @@ class RosNode(NodeConnection):
     def message_format(self, msg_type: Any) -> MessageFormat:
         """Return how the messages of a class of rosbase or ROS look outside this process."""
         return ros_format(msg_type, self._process.conversions)
+
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of rosbase or ROS for a message or a service."""
+        try:
+            return super().find_type(type_name)
+        except TypeError:
+            return find_ros_type(type_name)
 
     def has_parameter(self, name: str) -> bool:
         """Return whether the node has declared a parameter, or takes one for every node."""

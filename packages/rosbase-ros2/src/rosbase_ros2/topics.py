@@ -87,6 +87,16 @@ class RosPublisher:
         """Class of its messages."""
         return self._msg_type
 
+    @property
+    def subscription_count(self) -> int:
+        """Number of subscriptions that have found it."""
+        try:
+            count: int = self.inner.get_subscription_count()
+        except InvalidHandle:
+            # It has been destroyed.
+            return 0
+        return count
+
     def refresh(self) -> None:
         """Look again what `publish` of the rclpy publisher is; `taps` replaces it."""
         if self._send is not None:

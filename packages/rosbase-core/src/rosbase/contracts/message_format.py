@@ -1,13 +1,15 @@
 """How the messages of a class look outside this process: their name, schema and bytes."""
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 from attrs import frozen
 
+from rosbase.contracts.graph import type_name_of
 from rosbase.messages.fields import ros_type
 
-__all__ = ["MessageFormat", "message_format"]
+__all__ = ["MessageFormat", "find_type", "message_format"]
 
 
 @frozen
@@ -41,3 +43,25 @@ def message_format(msg_type: Any) -> MessageFormat:
         writer(msg_type),
         reader(msg_type),
     )
+
+
+def find_type(type_name: str) -> Any:
+    """Return the class of rosbase for a message or a service.
+
+    Args:
+        type_name: Its ROS name, such as `sensor_msgs/msg/Imu` or `std_srvs/srv/Trigger`.
+
+    Raises:
+        TypeError: rosbase has none.
+    """
+    package, _, rest = type_name.partition("/")
+    own = rest.rpartition("/")[2]
+    found = None
+    if package.isidentifier():
+        try:
+            found = getattr(import_module(f"rosbase.messages.{package}"), own, None)
+        except ModuleNotFoundError:
+            found = None
+    if found is None or type_name_of(found) != type_name:
+        raise TypeError(f"rosbase has no {type_name}")
+    return found

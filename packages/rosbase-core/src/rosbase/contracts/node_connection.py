@@ -293,8 +293,9 @@ class NodeConnection(ABC):
         by prepared senders too, on the thread that publishes; and for each that arrives from
         outside this process for a subscription of this backend, once, however many subscriptions
         there are. The message is an object of the topic's class, or its CDR as bytes if the backend
-        has these anyway. The function must be quick, and must not publish. If it raises, the tap
-        ends, and the log says so once; the message reaches everybody else.
+        has these anyway. An object that can be changed may change after the call. The function must
+        be quick, and must not publish. If it raises, the tap ends, and the log says so once; the
+        message reaches everybody else.
 
         A tap hears messages from now on, also of publishers that come later, and none that was
         kept. A publisher without a tap has no cost. Call it from any thread.
@@ -323,6 +324,16 @@ class NodeConnection(ABC):
         from rosbase.contracts.message_format import message_format
 
         return message_format(msg_type)
+
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of a message or a service by its ROS name.
+
+        Raises:
+            TypeError: There is none.
+        """
+        from rosbase.contracts.message_format import find_type
+
+        return find_type(type_name)
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]

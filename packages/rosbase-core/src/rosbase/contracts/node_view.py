@@ -183,6 +183,10 @@ class NodeView(NodeConnection):
         """Return how the messages of a class look outside this process."""
         return self._shared.message_format(msg_type)
 
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of a message or a service by its ROS name."""
+        return self._shared.find_type(type_name)
+
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
     ) -> Sender:

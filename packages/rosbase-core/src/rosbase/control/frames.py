@@ -43,12 +43,16 @@ def encode_line(frame: dict[str, Any], size: int = 0) -> bytes:
         frame = {**frame, "bytes": size}
     try:
         # Escapes stand for all but ASCII, so no line end is within it.
-        line = json.dumps(frame, separators=(",", ":"), allow_nan=False).encode("ascii")
+        line = _to_json(frame).encode("ascii")
     except (TypeError, ValueError, RecursionError) as error:
         raise ControlError(f"it cannot be written as JSON: {error}", "invalid") from None
     if len(line) > MOST_ANSWER or size > MOST_PAYLOAD:
         raise ControlError(f"it is too long: {len(line)} and {size} bytes", "failed")
     return line + b"\n"
+
+
+# `json.dumps` would make an encoder for each frame.
+_to_json = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
 
 
 class FrameReader:

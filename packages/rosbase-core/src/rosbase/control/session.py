@@ -85,6 +85,11 @@ class Session:
         else:
             self._server.call(lambda: self._finish(request, frame, data))
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether the connection has ended."""
+        return self._is_closed
+
     # For the server.
 
     @property

@@ -96,6 +96,11 @@ class LocalPublisher:
         for deliver in self._deliveries:
             deliver(message)
 
+    @property
+    def subscription_count(self) -> int:
+        """Number of subscriptions that hear it."""
+        return len(self._matching)
+
     # Called by the bus, one at a time.
 
     def connect(self, subscription: LocalSubscription) -> None:
