@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 from rosbase.cli.operate.reading import UsageError
+from rosbase.control.names import full_type
 from rosbase.control.questions.topics import TopicQuestions
 from rosbase.errors import ControlError
 
@@ -41,11 +42,9 @@ def echo(given: Any) -> int:
 
 def _check_type(questions: TopicQuestions, given: Any) -> None:
     topic = questions.topic(given.topic)
-    if given.type is not None:
-        wanted = given.type if "/msg/" in given.type else given.type.replace("/", "/msg/")
-        if wanted not in topic["types"]:
-            text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
-            raise ControlError(text, "invalid")
+    if given.type is not None and full_type(given.type) not in topic["types"]:
+        text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
+        raise ControlError(text, "invalid")
     if not topic["publishers"]:
         print(f"rosbase: no program publishes {topic['name']} yet", file=sys.stderr)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosbase.control.gathering import connect_to
+from rosbase.control.names import full_type
 from rosbase.control.questions.topics import TopicQuestions
 from rosbase.errors import ControlError
 
@@ -24,7 +25,9 @@ class Publication:
 
         self._connection = connect_to(pid)
         try:
-            which = {"topic": topic} if message_type is None else {"type": message_type}
+            which = {"topic": topic}
+            if message_type is not None:
+                which = {"type": full_type(message_type)}
             found, _ = self._connection.ask("topic.type", which, wait_s=5.0)
         except BaseException:
             self._connection.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosbase.control.gathering import ask_one
+from rosbase.control.names import full_type
 from rosbase.control.questions.base import Questions
 from rosbase.errors import ControlError
 
@@ -115,12 +116,6 @@ class ServiceQuestions(Questions):
             owners.setdefault(one["name"], []).append(one["pid"])
         full, pid = self._one("service", name, owners)
         kind = next(s["type"] for s in services if (s["name"], s["pid"]) == (full, pid))
-        if service_type is not None and _full(service_type) != kind:
+        if service_type is not None and full_type(service_type, "srv") != kind:
             raise ControlError(f"service {full} is of type {kind}, not {service_type}", "invalid")
         return full, pid, kind
-
-
-def _full(service_type: str) -> str:
-    """Return the type with the part that people leave out: `std_srvs/srv/SetBool`."""
-    package, _, name = service_type.partition("/")
-    return service_type if "/" in name else f"{package}/srv/{name}"
