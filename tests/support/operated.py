@@ -1,6 +1,5 @@
 """Programs that run, and the commands that look at them and operate them."""
 
-import os
 import subprocess
 import tempfile
 import uuid
@@ -86,8 +85,12 @@ class Robots:
 
     def start_command(self, *words: str) -> "subprocess.Popen[str]":
         """Starts a command; it is killed at the end."""
+        return self.start_process([ROSBASE, *words])
+
+    def start_process(self, command: list[str], cwd: Path | None = None) -> "subprocess.Popen[str]":
+        """Starts a process; it is killed at the end."""
         process = subprocess.Popen(
-            [ROSBASE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd
         )
         self._stack.enter_context(process)
         self._stack.callback(process.kill)
@@ -134,8 +137,3 @@ def wait_for_programs(*names: str) -> None:
 def pid_of(program: Program) -> int:
     """The pid of a program, as the commands show it."""
     return program.process.pid
-
-
-def environment(**variables: str) -> dict[str, str]:
-    """The environment of this process with other variables."""
-    return {**os.environ, **variables}
