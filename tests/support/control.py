@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rosbase.control.programs import Program, offered
+from rosbase.control.socket_file import refuses
 from rosbase.control.streams import Stream
 from rosbase.logger import RosbaseLogger
 from support.waiting import wait_until
@@ -155,7 +156,9 @@ def ask_while_running(
 
     def ask() -> None:
         try:
+            # It is there a moment before anybody listens.
             wait_until(lambda: os.path.exists(own_socket()), "the socket")
+            wait_until(lambda: not refuses(own_socket()), "the server")
             with Asker(own_socket()) as client:
                 wait_until(lambda: client.ask("process")["programs"][0]["phase"] == until, until)
                 questions(client)
