@@ -45,7 +45,7 @@ def _check_type(questions: TopicQuestions, given: Any) -> None:
     if given.type is not None and full_type(given.type) not in topic["types"]:
         text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
         raise ControlError(text, "invalid")
-    if not topic["publishers"]:
+    if not topic["publishers"] and given.program is None:
         print(f"rosbase: no program publishes {topic['name']} yet", file=sys.stderr)
 
 
