@@ -6,13 +6,16 @@ import signal
 import socket
 import subprocess
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rosbase.control import connect
 from rosbase.errors import ControlError
 from support.command import ROSBASE
+from support.control import FakeProgram, offering
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
 from support.waiting import wait_until
 
@@ -347,3 +350,47 @@ def test_connect_to_a_program_that_does_not_run_raises(robots: Robots) -> None:
     with pytest.raises(ControlError, match="did you mean app") as caught:
         connect("ap")
     assert (caught.value.kind, caught.value.suggestions) == ("unknown", ["app"])
+
+
+def test_any_thread_may_ask(robots: Robots) -> None:
+    app = robots.start(APP)
+    fleet = connect()
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(lambda _: fleet.get_parameters("robot"), range(40)))
+        pids = list(pool.map(lambda _: [p["pid"] for p in fleet.processes()], range(40)))
+    assert answers == [{"names": ["a", "b"], "speed": 1.5}] * 40
+    assert pids == [[pid_of(app)]] * 40
+
+
+def test_what_rosbase_up_has_started_is_listed_stopped_and_restarted(robots: Robots) -> None:
+    robots.start(APP)
+    asked: list[tuple[str, str]] = []
+
+    def answer(ask: str) -> Any:
+        return lambda _, request: asked.append((ask, request.text("name"))) or {}
+
+    camera = {
+        "name": "camera", "pid": 4712, "state": "running", "restarts": 2, "since_ns": 1,
+        "required": True, "exit_status": None,
+    }  # fmt: skip
+    answers = {
+        "launcher.list": lambda _, __: {"programs": [camera]},
+        "launcher.stop": answer("stop"),
+        "launcher.restart": answer("restart"),
+    }
+    with offering(FakeProgram(**answers)):
+        shown = run("ps")
+        assert " fake  " in shown
+        assert shown.endswith(
+            "started by rosbase up:\n PID  NAME    STATE    RESTARTS  REQUIRED  EXIT\n"
+            "4712  camera  running         2  yes       -\n"
+        )
+        assert run("stop", "camera") == "stopping camera\n"
+        assert run("restart", "camera") == "restarted camera\n"
+        assert "no program of rosbase up camra; did you mean camera?" in run(
+            "restart", "camra", status=1
+        )
+        assert run("_complete", "restart", "") == "camera\trunning\n"
+        # A program of the same launcher that has no such name is one of its own.
+        assert run("stop", "app").startswith("stopping app [")
+    assert asked == [("stop", "camera"), ("restart", "camera")]
