@@ -35,8 +35,8 @@ class Rig:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now_ns = 0
         self.backend = LocalBackend(BackendOptions("own"), Bus())
-        self.log: Any = Log()
-        program = Program()
+        self.log = Log()
+        program: Any = Program()
         program.backend, program.logger = self.backend, self.log
         monkeypatch.setattr(unheard, "running_programs", lambda: (program,))
         monkeypatch.setattr(unheard, "background_thread", lambda target, _: _Now(target))
@@ -47,7 +47,7 @@ class Rig:
         assert self.watch.due_ns is not None
         self.now_ns = self.watch.due_ns
         self.watch.look()
-        return self.log.warnings  # type: ignore[no-any-return]
+        return self.log.warnings
 
 
 class _Now:
@@ -114,9 +114,13 @@ def test_a_program_is_told_once_of_each_topic_that_it_does_not_hear(
     monkeypatch.setattr(node.logger, "warning", warnings.append)
     node.create_subscription(Point, "position", print)
     node.create_subscription(Point, "goal", print)
-    timer = node.create_timer(0.05, lambda: warnings and node.request_stop())
+
+    def end_when_told() -> None:
+        if warnings:
+            node.request_stop()
+
+    node.create_timer(0.05, end_when_told)
     node.start_spin_standalone()
-    assert timer is not None
     assert len(looks) == 1
     assert len(warnings) == 1
     assert warnings[0].startswith(

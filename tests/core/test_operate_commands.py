@@ -367,7 +367,11 @@ def test_what_rosbase_up_has_started_is_listed_stopped_and_restarted(robots: Rob
     asked: list[tuple[str, str]] = []
 
     def answer(ask: str) -> Any:
-        return lambda _, request: asked.append((ask, request.text("name"))) or {}
+        def take(_: Any, request: Any) -> dict[str, Any]:
+            asked.append((ask, request.text("name")))
+            return {}
+
+        return take
 
     camera = {
         "name": "camera", "pid": 4712, "state": "running", "restarts": 2, "since_ns": 1,
