@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["bandwidth", "delay", "echo", "rate"]
 
+# Messages that wait in the program, such as for a terminal that stops for a moment.
+_MOST_WAITING = 1_000
+
 
 def echo(given: Any) -> int:
     """Print messages as `ros2 topic echo` does, until Ctrl-C; the status tells of none."""
@@ -29,7 +32,7 @@ def echo(given: Any) -> int:
     questions = TopicQuestions(given.program)
     _check_type(questions, given)
     number, lost = 0, 0
-    for heard in questions.echo(given.topic, timeout_s=given.timeout):
+    for heard in questions.echo(given.topic, limit=_MOST_WAITING, timeout_s=given.timeout):
         print(_shown(heard, given.field, write), end="", flush=True)
         number += 1
         if given.once:
