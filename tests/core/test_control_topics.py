@@ -305,6 +305,23 @@ def test_a_slow_client_loses_the_oldest_and_is_told(app: BaseManager) -> None:
     ask(app, questions)
 
 
+def test_what_a_latched_publisher_keeps_is_echoed_first(app: BaseManager) -> None:
+    def questions(client: Asker) -> None:
+        publisher: Any = robot(app).grip
+        for count in range(5):
+            publisher.publish(Grip(float(count)))
+        with streaming(client, "topic.echo", topic="/grip") as (number, _):
+            publisher.publish(Grip(5.0))
+            found = [event(client, number) for _ in range(3)]
+            assert [deserialize(data, Grip).width for _, data in found] == [3.0, 4.0, 5.0]
+            # Nobody knows when they were published.
+            dates = [facts["stamp_ns"] for facts, _ in found]
+            assert [date is None for date in dates] == [True, True, False]
+            end(client, number)
+
+    ask(app, questions)
+
+
 def test_only_some_messages_are_echoed_if_that_is_asked(app: BaseManager) -> None:
     def questions(client: Asker) -> None:
         publisher: Any = robot(app).grip
@@ -422,11 +439,15 @@ def counting(wanted: set[str], kind: Any = Imu) -> tuple[TopicCount, FakeTopic, 
 
 def test_the_figures_of_a_window_are_right() -> None:
     stream, topic, now_ns = counting({"interval"})
+    facts: Any
     for time_ns in (0, 100_000_000, 300_000_000, 600_000_000):
         now_ns[0] = time_ns
         topic.publisher.publish(Imu())
+    # In parts, so that none takes long.
+    assert stream.due_ns == 100_000_000
     assert stream.take() is None
-    now_ns[0] = stream.due_ns or 0
+    assert stream.due_ns == 700_000_000
+    now_ns[0] = 10**9
     facts, _ = stream.take() or ({}, b"")
     assert facts == {
         "n": 4,
@@ -444,7 +465,7 @@ def test_the_figures_of_a_window_are_right() -> None:
     facts, _ = stream.take() or ({}, b"")
     assert facts["window"]["count"] == 0
     assert facts["window"]["min_ns"] is None
-    assert stream.due_ns == 4_000_000_000
+    assert stream._event_ns == 4_000_000_000
     now_ns[0] = 3_600_000_000
     topic.publisher.publish(Imu())
     now_ns[0] = 4_000_000_000
