@@ -175,9 +175,9 @@ def test_the_user_of_the_other_side_decides(
     with here, there:
         if uid == 0 and ours:
             # Root may connect to everybody's.
-            monkeypatch.setattr(clients.struct, "unpack", lambda *_: (1, 1_000, 1_000))
+            monkeypatch.setattr("struct.unpack", lambda *_: (1, 1_000, 1_000))
         else:
-            monkeypatch.setattr(clients.os, "geteuid", lambda: uid + ours)
+            monkeypatch.setattr("os.geteuid", lambda: uid + ours)
         assert clients.may_connect(here) is may
 
 
