@@ -100,41 +100,6 @@ def test_a_parameter_that_is_not_set_is_told_and_status_1(robots: Robots) -> Non
     assert "robot.nmes" in run("param", "get", "app", "robot.nmes", status=1)
 
 
-def test_what_dump_prints_is_what_load_and_a_program_take(robots: Robots, tmp_path: Path) -> None:
-    pytest.importorskip("yaml")
-    robots.start(APP)
-    run("param", "set", "app", "robot.speed", "0.25", "robot.names", "[x, 'on', '1']")
-    text = run("param", "dump", "app")
-    assert text == (
-        "/app:\n  ros__parameters:\n    robot:\n"
-        "      names:\n      - x\n      - 'on'\n      - '1'\n      speed: 0.25\n\n"
-    )
-    file = tmp_path / "app.yaml"
-    file.write_text(text)
-    run("param", "set", "app", "robot.speed", "9", "robot.names", "[]")
-    assert run("param", "load", "app", str(file)) == (
-        "Set parameter robot.names successful\nSet parameter robot.speed successful\n"
-    )
-    assert run("param", "dump", "app") == text
-    run("stop", "app")
-    wait_until(lambda: run("node", "list") == "", "the end")
-    source = tmp_path / "again.py"
-    source.write_text(APP)
-    with subprocess.Popen(
-        [ROSBASE, "run", str(source), "--params-file", str(file)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as again:
-        try:
-            assert again.stdout is not None
-            assert again.stdout.readline() == "ready\n"
-            assert run("param", "dump", "app") == text
-        finally:
-            again.terminate()
-            again.communicate()
-
-
 def test_a_file_of_toml_is_loaded_and_its_mistakes_are_told(robots: Robots, tmp_path: Path) -> None:
     robots.start(APP)
     file = tmp_path / "app.toml"

@@ -93,6 +93,39 @@ def test_parameters_are_those_that_rclpy_reads_and_sets(robots: Robots, outside:
     assert run("param", "list", "app").split() == sorted(names)
 
 
+def test_what_dump_prints_is_what_load_and_programs_take(robots: Robots, tmp_path: Path) -> None:
+    robots.start(APP, env=ROS, options=OPTIONS)
+    run("param", "set", "app", "robot.speed", "0.25", "robot.names", "[x, 'on', '1']")
+    text = run("param", "dump", "app")
+    assert (
+        "    robot:\n      names:\n      - x\n      - 'on'\n      - '1'\n      speed: 0.25\n"
+        in text
+    )
+    assert text.startswith("/app:\n  ros__parameters:\n")
+    file = tmp_path / "app.yaml"
+    file.write_text(text)
+    run("param", "set", "app", "robot.speed", "9", "robot.names", "[]")
+    loaded = run_both("param", "load", "app", str(file))[0]
+    assert "Set parameter robot.names successful\nSet parameter robot.speed successful\n" in loaded
+    # One of rclpy's own.
+    assert "Set parameter use_sim_time successful\n" in loaded
+    assert run("param", "dump", "app") == text
+    run("stop", "app")
+    wait_until(lambda: run("node", "list") == "", "the end")
+    # As a program of ROS takes it, and as one without ROS does.
+    given = robots.start(APP, "--ros-args", "--params-file", str(file), env=ROS, options=OPTIONS)
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 0.25\n"
+    assert run("param", "get", "app", "robot.names") == "String values are: ['x', 'on', '1']\n"
+    given.process.terminate()
+    given.end()
+    source = tmp_path / "again.py"
+    source.write_text(APP)
+    again = robots.start_command("run", str(source), "--params-file", str(file))
+    assert again.stdout is not None
+    assert again.stdout.readline() == "ready\n"
+    assert run("param", "get", "app", "robot.names") == "String values are: ['x', 'on', '1']\n"
+
+
 def test_every_transition_is_the_same_from_either_side(robots: Robots, outside: Client) -> None:
     robots.start(APP, env=ROS, options=OPTIONS)
     outside.await_services()

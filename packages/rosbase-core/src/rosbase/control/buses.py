@@ -31,6 +31,8 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
         child["pid"]: pid
         for pid, process in known.items()
         for program in process["programs"]
+        # The programs of a launcher are programs of their own.
+        if program["kind"] != "launcher"
         for child in program["children"]
         if child["pid"] in known
     }

@@ -111,7 +111,10 @@ class ProgramQuestions(Questions):
         Raises:
             ControlError: Several launchers have one.
         """
-        those = [o for o in self.launched() if name in (o["name"], str(o["pid"]))]
+        found = self.launched()
+        those = [o for o in found if name in (o["name"], str(o["pid"]))]
+        # Within a session, programs have short names.
+        those = those or [o for o in found if name == o["name"].rpartition("/")[2]]
         if len(those) > 1:
             who = ", ".join(f"process {one['launcher']}" for one in those)
             raise ControlError(f"several launchers have a program {name}: {who}", "ambiguous")
