@@ -89,7 +89,7 @@ def test_a_name_without_its_slash_and_in_one_program_is_found() -> None:
 
 def test_the_last_part_of_a_name_is_enough_for_a_suggestion() -> None:
     assert similar("data", ["/imu/data", "/gps/data", "/date"])[:2] == ["/gps/data", "/imu/data"]
-    assert str(unknown("topic", "zzz", [f"/t{n}" for n in range(12)])).endswith("/t6, ...")
+    assert str(unknown("topic", "zzz", [f"/t{n}" for n in range(12)])).endswith("/t7, ...")
     assert str(unknown("topic", "zzz", [])) == "no topic zzz; there is no topic at all"
 
 
