@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosbase.control.gathering import ask_one, gather
+from rosbase.control.gathering import ask_one
 from rosbase.control.questions.base import Questions, label
 from rosbase.errors import ControlError
 
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     from rosbase.control.gathering import Ask
     from rosbase.control.shapes import Launched, LogRecord, Process, Statistics
-    from rosbase.control.watching import Watch
 
 __all__ = ["ProgramQuestions"]
 
@@ -40,17 +39,16 @@ class ProgramQuestions(Questions):
             last: How many records from the end; None for all that the programs have kept.
             follow: Whether to go on with new records, until the programs have ended.
         """
+        from rosbase.control.joined_log import joined
         from rosbase.control.watching import Watch
 
-        pids = self._chosen()
-        if pids is None:
-            pids = [replies.pid for replies in gather([], self._timeout_s)]
+        processes = self.processes()
         arguments: dict[str, object] = {"level": level, "follow": follow}
         if last is not None:
             arguments["last"] = last
-        watch = Watch(pids, "log", arguments)
+        watch = Watch([process["pid"] for process in processes], "log", arguments)
         try:
-            yield from _in_order(watch, last)
+            yield from joined(watch, processes, last)
         finally:
             watch.close()
 
@@ -119,25 +117,3 @@ class ProgramQuestions(Questions):
             who = ", ".join(f"process {one['launcher']}" for one in those)
             raise ControlError(f"several launchers have a program {name}: {who}", "ambiguous")
         return those[0] if those else None
-
-
-def _in_order(watch: Watch, last: int | None) -> Iterator[LogRecord]:
-    """Yield what the programs had kept, in the order of time, and then what comes."""
-    expected = sum(stream.answer.get("count", 0) for stream in watch.streams)
-    kept: list[LogRecord] = []
-    for record in watch.pid_events():
-        if expected == 0:
-            yield record
-            continue
-        kept.append(record)
-        expected -= 1
-        if expected == 0:
-            yield from _newest(kept, last)
-    if expected > 0:
-        # A program has ended in between.
-        yield from _newest(kept, last)
-
-
-def _newest(records: list[LogRecord], last: int | None) -> list[LogRecord]:
-    records.sort(key=lambda record: record["stamp_ns"])
-    return records if last is None else records[max(0, len(records) - last) :]
