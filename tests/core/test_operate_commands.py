@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -51,6 +52,27 @@ def test_ps_lists_programs_with_state_rate_and_memory(robots: Robots) -> None:
     assert {one["pid"] for one in found} == {pid_of(app), pid_of(listener)}
     assert all(one["memory_bytes"] > 1e6 for one in found)
     assert run("ps", "-P", "listener").count("\n") == 2
+
+
+WAITING = """
+from rosbase import BaseHandlers, BaseManager
+
+class Handlers(BaseHandlers):
+    def handle(self): ...
+
+print("ready", flush=True)
+manager = BaseManager("waits", {}, {}, Handlers, node_freq_hz=10)
+manager.add_handshake_rule("camera", lambda: False)
+manager.start_main_loop_timer()
+"""
+
+
+def test_ps_and_stop_work_on_a_program_that_waits_in_its_handshake(robots: Robots) -> None:
+    program = robots.start(WAITING)
+    wait_until(lambda: "waits" in run("ps"), "the program")
+    assert re.search(r"waits  manager  local    waiting for camera +10 Hz ", run("ps"))
+    run("stop", "waits")
+    program.end()
 
 
 def test_nothing_runs_is_no_failure(robots: Robots) -> None:
