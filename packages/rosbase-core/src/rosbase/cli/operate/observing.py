@@ -85,11 +85,11 @@ def delay(given: Any) -> int:
 def _report(given: Any, measure: str, text_of: Callable[[Any], str]) -> int:
     from rosbase.cli.operate.pool import Pool
 
+    questions = TopicQuestions(given.program)
     if measure == "bytes":
-        name = TopicQuestions(given.program).topic(given.topic)["name"]
-        print(f"Subscribed to [{name}]", flush=True)
+        print(f"Subscribed to [{questions.topic(given.topic)['name']}]", flush=True)
     pool = Pool(given.window, measure)
-    for report in TopicQuestions(given.program).count(given.topic, measures=[measure]):
+    for report in questions.count(given.topic, measures=[measure]):
         if pool.add(report["window"]):
             print(text_of(pool), flush=True)
         elif pool.count:
