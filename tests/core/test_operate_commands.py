@@ -192,9 +192,20 @@ def test_statistics_tell_ticks_and_times(robots: Robots) -> None:
 
 def test_stop_ends_a_program_in_order(robots: Robots) -> None:
     app = robots.start(APP)
-    assert run("stop", "app") == f"stopping app [{pid_of(app)}]\n"
+    assert run("stop", "app") == f"stopped app [{pid_of(app)}]\n"
     assert app.end()[0] == 0
     assert "no program app" in run("stop", "app", status=1)
+
+
+def test_stop_says_when_a_program_does_not_end(robots: Robots) -> None:
+    source = APP.replace(
+        "manager.start_main", "manager.release_resources = wait\nmanager.start_main"
+    )
+    source = f"import time\n\n\ndef wait():\n    time.sleep(2)\n{source}"
+    app = robots.start(source)
+    err = run("stop", "app", "--timeout", "0.2", status=1)
+    assert err == f"rosbase: app [{pid_of(app)}] still runs\n"
+    assert app.end()[0] == 0
 
 
 def test_stop_takes_a_pid(robots: Robots) -> None:
@@ -380,12 +391,12 @@ def test_what_rosbase_up_has_started_is_listed_stopped_and_restarted(robots: Rob
             "started by rosbase up:\n PID  NAME    STATE    RESTARTS  REQUIRED  EXIT\n"
             "4712  camera  running         2  yes       -\n"
         )
-        assert run("stop", "camera") == "stopping camera\n"
+        assert run("stop", "camera") == "stopped camera\n"
         assert run("restart", "camera") == "restarted camera\n"
         assert "no program of rosbase up camra; did you mean camera?" in run(
             "restart", "camra", status=1
         )
         assert run("_complete", "restart", "") == "camera\trunning\n"
         # A program of the same launcher that has no such name is one of its own.
-        assert run("stop", "app").startswith("stopping app [")
+        assert run("stop", "app").startswith("stopped app [")
     assert asked == [("stop", "camera"), ("restart", "camera")]

@@ -214,6 +214,13 @@ GROUPS: dict[str, Command | Group] = {
         "programs.stop",
         Argument("name", "a program, the number of its process, or a program of `rosbase up`",
                  completes="stoppable"),
+        Option(
+            "--timeout",
+            "how long to wait for the end, in seconds (10)",
+            value="S",
+            kind="positive",
+            default=10.0,
+        ),
     ),
     "restart": Command(
         "start a program of `rosbase up` anew",

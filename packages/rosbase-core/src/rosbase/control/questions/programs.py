@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rosbase.control.gathering import ask_one
+from rosbase.control.gathering import ask_one, connect_to
 from rosbase.control.questions.base import Questions, label
+from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
@@ -73,20 +74,27 @@ class ProgramQuestions(Questions):
         ]
         return found
 
-    def stop(self, name: str | int) -> str:
-        """End a program in order, as with Ctrl-C; return what was asked to end.
+    def stop(self, name: str | int, *, timeout_s: float = 10.0) -> str:
+        """End a program in order, as with Ctrl-C, and wait for its end; return what has ended.
 
         Args:
             name: A program, its pid, or the name of a program that `rosbase up` has started.
+            timeout_s: How long to wait, in seconds.
 
         Raises:
-            ControlError: No program has that name, or several have.
+            ControlError: No program has that name, or several have, or it has not ended in time.
         """
         if (one := self._launched_as(str(name))) is not None:
             ask_one(one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S)
             return one["name"]
         process = self._named(str(name))
-        ask_one(process["pid"], "stop", {})
+        connection = connect_to(process["pid"])
+        try:
+            connection.ask("stop", {}, wait_s=timeout_s)
+            if not connection.wait_for_end(TimeLimit(timeout_s)):
+                raise ControlError(f"{label(process)} still runs", "timeout")
+        finally:
+            connection.close()
         return label(process)
 
     def restart(self, name: str) -> str:
