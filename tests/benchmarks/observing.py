@@ -214,7 +214,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    roles = {"observed": observed, "observe": observe, "subscribe": subscribe}
+    roles: dict[str, Any] = {"observed": observed, "observe": observe, "subscribe": subscribe}
     if sys.argv[1:] and sys.argv[1] in roles:
         roles[sys.argv[1]](*sys.argv[2:])
     else:

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,7 +20,8 @@ from rosbase.messages.std_srvs import SetBool, Trigger
 from rosbase.qos import DurabilityPolicy, QoSProfile
 from rosbase.wire import deserialize, schema, serialize, type_hash
 from rosbase.wire.plain import decoder, encoder
-from support.control import Asker, ask_while_running, own_socket
+from support.control import Asker, ask_while_running, connected, own_socket
+from support.program import running
 from support.waiting import wait_until
 
 LATCHED = QoSProfile(2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -626,3 +628,58 @@ def test_what_is_read_is_answered_while_the_loop_blocks_and_calls_time_out(
             release.set()
 
     ask(app, questions)
+
+
+CHILD_PROGRAM = """
+from rosbase import (BaseHandlers, BaseManager, BaseNode, qos_profile_sensor_data,
+                     register_multiprocess_nodes)
+from rosbase.messages import String
+
+class Child(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.words = self.create_publisher(String, "words", 10)
+        self.count = 0
+        self.create_timer(0.01, self.talk)
+    def talk(self):
+        self.count += 1
+        self.words.publish(String(str(self.count)))
+
+class Node(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.create_subscription(String, "words", lambda message: None, 10)
+        self.create_subscription(String, "words", lambda message: None, qos_profile_sensor_data)
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        pass
+
+if __name__ == "__main__":
+    processes = register_multiprocess_nodes({"child": Child}, {})
+    manager = BaseManager("app", {"node": Node}, {}, Handlers, node_freq_hz=50)
+    manager.start_main_loop_timer(processes)
+"""
+
+
+def test_what_a_child_publishes_is_heard_in_both_processes(tmp_path: Path) -> None:
+    with running(tmp_path, CHILD_PROGRAM) as program, connected(program.process.pid) as manager:
+
+        def child() -> dict[str, Any] | None:
+            (told,) = manager.ask("process")["programs"]
+            return next((one for one in told["children"] if one["running"]), None)
+
+        wait_until(child, "the child")
+        pid = (child() or {})["pid"]
+        for path_of in (pid, program.process.pid):
+            with connected(path_of) as client:
+
+                def is_there(client: Asker = client) -> bool:
+                    return "ok" in client.answer("topic.type", topic="/words")
+
+                wait_until(is_there, "the topic")
+                told = client.ask("topic.echo", topic="/words")
+                read = decoder(told["type"], told["schema"])
+                words = [int(read(client.read()[1])["data"]) for _ in range(20)]
+                # Each once, in order.
+                assert words == [words[0] + number for number in range(20)]

@@ -2,6 +2,7 @@
 
 import signal
 
+from rosbase.wire.plain import decoder
 from support.command import RunningRosbase
 from support.control import connected
 from support.samples import frame
@@ -50,3 +51,26 @@ def test_a_signal_ends_a_reader_that_somebody_follows(port: PluggablePort) -> No
             assert reader.end(signal.SIGINT) == 0
             assert client.is_closed()
         assert "control" not in reader.err
+
+
+def test_the_samples_of_a_reader_are_echoed_and_counted(port: PluggablePort) -> None:
+    """A reader publishes by prepared senders, which it holds."""
+    port.plug()
+    with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
+        reader.waits_for("opened")
+        pid = reader.process.pid
+        with connected(pid) as echoing, connected(pid) as counting:
+            told = echoing.ask("topic.echo", topic="imu/data")
+            counting.ask("topic.count", topic="imu/data", every_ns=50_000_000)
+            read = decoder(told["type"], told["schema"])
+            for _ in range(20):
+                port.write(frame() + b"\n")
+            for _ in range(20):
+                facts, data = echoing.read()
+                assert facts["event"]["dropped"] == 0
+                assert read(data)["angular_velocity"] == {"x": 0.1, "y": -0.2, "z": 0.3}
+            count = 0
+            while count < 20:
+                count = counting.read()[0]["event"]["n"]
+            assert count == 20
+        assert reader.end(signal.SIGINT) == 0
