@@ -564,15 +564,16 @@ def test_after_a_request_the_loop_sleeps_as_before() -> None:
             assert client.ask("parameter.set", node="robot", values={"gain": 2})
         before = len(spins)
         ticks = told(client)["ticks"]
-        wait_until(lambda: told(client)["ticks"] > ticks + 20, "some ticks")
-        assert len(spins) <= before + 1
+        wait_until(lambda: told(client)["ticks"] > ticks + 50, "some ticks")
+        # One more where a tick came between the change and the callbacks that hear of it.
+        assert len(spins) <= before + 2
 
     def run(_: object, *rest: Any) -> None:
         run_main_loop(Counting(), *rest)  # type: ignore[arg-type]  # it is one
 
     manager._run_loop = run  # type: ignore[assignment]
     ask_while_running(manager, questions)
-    assert 1 <= len(spins) <= 6
+    assert 1 <= len(spins) <= 12
 
 
 # The log.

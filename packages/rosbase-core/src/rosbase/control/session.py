@@ -289,8 +289,8 @@ class Session:
             request.fail(error)
             return
         except Exception as error:
-            self._server.report(request.ask, error)
-            request.fail(ControlError(f"{type(error).__name__}: {error}"[:1000]))
+            self._clients.report(request.ask, error)
+            request.fail(ControlError(f"{type(error).__name__}: {error}"))
             return
         if isinstance(reply, Stream):
             self._begin_stream(request, reply)
@@ -335,7 +335,7 @@ class Session:
             try:
                 event = stream.take()
             except Exception as error:
-                self._server.report("a stream", error)
+                self._clients.report("a stream", error)
                 self._end_stream(number, "failed")
                 return False
             if event is None:
