@@ -38,6 +38,8 @@ INTERNAL = {
         "runtime.stopping",
         "runtime.waiting",
         "text.toml",
+        "text.yaml_flow",
+        "text.yaml_text",
     ),
 }
 ROOMS = ("contracts", "roles", "runtime", "text")
@@ -68,7 +70,9 @@ def test_every_module_for_programs_and_plugins_is_in_the_api() -> None:
     assert modules - INTERNAL == {
         name
         for name in shown
-        if not name.startswith(("imu.", "testing.", "local", "messages.", "utils.", "wire."))
+        if not name.startswith(
+            ("control.", "imu.", "testing.", "local", "messages.", "utils.", "wire.")
+        )
     }
 
 
@@ -83,7 +87,7 @@ def test_a_public_name_does_not_depend_on_where_it_is_defined() -> None:
         "rosbase",
         *(
             f"rosbase.{name}"
-            for name in ("messages", "wire", "fsm", "lifecycle", "testing", "utils")
+            for name in ("messages", "wire", "fsm", "lifecycle", "control", "testing", "utils")
         ),
     }
     sources = [*PAGES, *ROOT.glob("docs/examples/**/*.py"), *ROOT.glob("docs/template/**/*.jinja")]

@@ -1,14 +1,18 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
-`rosbase.lifecycle`, `rosbase.utils` and `rosbase.testing`. The modules that define the names may
-change.
+`rosbase.lifecycle`, `rosbase.control`, `rosbase.utils` and `rosbase.testing`. The modules that
+define the names may change.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+# Not from `typing`, whose import takes half as long as the start of Python: commands that ask a
+# running program are over before.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from rosbase.clock import (
         Clock,
         SystemClock,
@@ -531,11 +535,13 @@ _HOMES = {
     "type_name_of": "rosbase.contracts.graph",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.
-_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing", "utils"}
+_PUBLIC_MODULES = {"control", "fsm", "lifecycle", "messages", "testing", "utils"}
 
 
 def __getattr__(name: str) -> Any:
     """Import each name on first use, so that the command line starts at once."""
+    from importlib import import_module
+
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("rosbase-core")
     elif name in _HOMES:

@@ -73,6 +73,8 @@ class Program:
     """Its connection; None for a launcher."""
     loop_stats: LoopStats | None = None
     """Statistics of its main loop, if it has one."""
+    logger: RosbaseLogger | None = None
+    """Its log; set by `offered`."""
     started_ns = 0
     """Start of its run on the machine's monotonic clock; set by `offered`."""
 
@@ -178,7 +180,7 @@ def _begin(program: Program, logger: RosbaseLogger) -> None:
     # Only now: a program without a socket needs none of it.
     from rosbase.control.server import CLOCK, ControlServer
 
-    program.started_ns = CLOCK.monotonic_ns()
+    program.started_ns, program.logger = CLOCK.monotonic_ns(), logger
     with _lock:
         _programs = (*_programs, program)
         if _server is not None:
