@@ -119,6 +119,10 @@ if TYPE_CHECKING:
         State,
         TransitionEvent,
     )
+    from rosbase.launcher import (
+        BaseLauncher,
+        LaunchFileError,
+    )
     from rosbase.local import LocalBackend
     from rosbase.logger import (
         LogOptions,
@@ -228,6 +232,7 @@ __all__ = [
     "Backoff",
     "BaseAgent",
     "BaseHandlers",
+    "BaseLauncher",
     "BaseManager",
     "BaseNode",
     "Batch",
@@ -261,6 +266,7 @@ __all__ = [
     "ImuReader",
     "ImuSimulator",
     "Latest",
+    "LaunchFileError",
     "LifecycleNode",
     "LifecyclePublisher",
     "LineFramer",
@@ -371,6 +377,7 @@ _HOMES = {
     "BackendPlugin": "rosbase.plugins",
     "Backoff": "rosbase.runtime.backoff",
     "BaseAgent": "rosbase.roles.agent",
+    "BaseLauncher": "rosbase.launcher",
     "BaseHandlers": "rosbase.roles.handlers",
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.roles.node",
@@ -405,6 +412,7 @@ _HOMES = {
     "ImuReader": "rosbase.imu.reader",
     "ImuSimulator": "rosbase.imu.simulator",
     "Latest": "rosbase.roles.latest",
+    "LaunchFileError": "rosbase.launcher",
     "LifecycleNode": "rosbase.roles.lifecycle_node",
     "LifecyclePublisher": "rosbase.roles.lifecycle_node",
     "LineFramer": "rosbase.framing",

@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from multiprocessing import spawn
 from multiprocessing.connection import Connection
@@ -25,7 +25,7 @@ from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
 from rosbase.runtime.signal_masks import hold_signals
 
-__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order"]
+__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order", "start_guarded"]
 
 _GUARDIAN = str(Path(__file__).with_name("guardian.py"))
 # The module search path comes first, so that the rest can be found as it is found here; and
@@ -94,7 +94,7 @@ class CommandLaunch(Launch):
     def start(self, order: Order) -> Launched:
         """Start the command. A command writes output, but no records."""
         argv = ["/bin/sh", "-c", self.command]
-        return _start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
+        return start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
 
 
 @frozen
@@ -143,7 +143,7 @@ class NodeLaunch(Launch):
             except RuntimeError as error:
                 raise OSError(errno.EAGAIN, str(error)) from error
             argv = [_python(), *_options(), "-c", _NODE, str(theirs.fileno())]
-            launched = _start_guarded(
+            launched = start_guarded(
                 argv, order, on_a_terminal=self.on_a_terminal, link_fd=theirs.fileno(), folder="/"
             )
             theirs.close()
@@ -186,22 +186,27 @@ def _options() -> list[str]:
     return command[1 : command.index("-c")] if "-c" in command else []
 
 
-def _start_guarded(
+def start_guarded(
     argv: list[str],
     order: Order,
     *,
     on_a_terminal: bool,
     link_fd: int = -1,
     folder: str | None = None,
+    environment: Mapping[str, str] | None = None,
 ) -> Launched:
     """Start a command under a guardian.
 
     Args:
-        argv: The command.
+        argv: The command; its program is a path.
         order: Arguments of the launch.
         on_a_terminal: Whether it writes to a terminal.
         link_fd: A descriptor that the command inherits, or -1.
         folder: Folder where it is started; by default the working directory.
+        environment: Its environment; by default that of this process.
+
+    Raises:
+        OSError: The machine has no more processes or descriptors to give.
     """
     own = _ON_A_TERMINAL if on_a_terminal else {}
     # Until the guardian handles signals, one of them would end it with a traceback.
@@ -225,7 +230,7 @@ def _start_guarded(
             stderr=write_end,
             pass_fds=[fd for fd in (theirs.fileno(), link_fd) if fd >= 0],
             start_new_session=True,
-            env=_BY_DEFAULT | marked_environment(order.mark) | own,
+            env=_BY_DEFAULT | marked_environment(order.mark, environment) | own,
             cwd=folder,
         )
         undo.pop_all()
