@@ -86,8 +86,8 @@ def test_if_there_are_no_more_descriptors_nothing_is_left(
 
 
 def test_if_it_is_interrupted_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupted = fail_after(2, launch._start_guarded, KeyboardInterrupt())
-    monkeypatch.setattr(launch, "_start_guarded", interrupted)
+    interrupted = fail_after(2, launch.start_guarded, KeyboardInterrupt())
+    monkeypatch.setattr(launch, "start_guarded", interrupted)
     with pytest.raises(KeyboardInterrupt):
         register_multiprocess_nodes(NODES, COMMANDS)
 
@@ -196,9 +196,9 @@ def test_a_guardian_that_cannot_fork_says_so_and_the_child_counts_as_failed(
 ) -> None:
     # As it is, but without a process to give.
     guardian = tmp_path / "guardian.py"
-    original = Path(launch._GUARDIAN).read_text()
+    original = Path(launch.GUARDIAN).read_text()
     guardian.write_text(original.replace("os.fork()", "open('/no/such/process')"))
-    monkeypatch.setattr(launch, "_GUARDIAN", str(guardian))
+    monkeypatch.setattr(launch, "GUARDIAN", str(guardian))
     policy = RestartPolicy("on-failure", limit=1, first_delay_s=0.0)
     processes = register_multiprocess_nodes({}, {"x": "true"}, restart=policy)
     wait_until(lambda: "x: not started again: 1 in a row" in caplog.messages, "two tries")

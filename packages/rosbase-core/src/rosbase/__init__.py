@@ -113,15 +113,15 @@ if TYPE_CHECKING:
     from rosbase.imu.simulator import (
         ImuSimulator,
     )
+    from rosbase.launcher import (
+        BaseLauncher,
+        LaunchFileError,
+    )
     from rosbase.lifecycle import (
         CallbackReturn,
         ManagedNode,
         State,
         TransitionEvent,
-    )
-    from rosbase.launcher import (
-        BaseLauncher,
-        LaunchFileError,
     )
     from rosbase.local import LocalBackend
     from rosbase.logger import (

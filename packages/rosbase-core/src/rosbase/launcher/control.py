@@ -1,4 +1,4 @@
-"""The launcher as other commands see it: `rosbase ps`, `rosbase stop NAME`, `rosbase restart NAME`."""
+"""The launcher as other commands see it: `rosbase ps`, `stop NAME` and `restart NAME`."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -19,7 +19,7 @@ __all__ = ["Crew", "Show"]
 
 
 class Show(Protocol):
-    """Shows what happens. Output comes on the thread of the supervisor, the rest on the main one."""
+    """Shows what happens. Output and ends come on the thread of the supervisor."""
 
     def output(self, key: str, text: str, *, is_error: bool) -> None:
         """Show a line of a program's output."""
@@ -56,9 +56,15 @@ class _Lines(Journal):
 class _Ends(Judge):
     """Hands each end to the fleet, which decides."""
 
-    def __init__(self, journal: Journal, on_end: Callable[[str, int, float], object]) -> None:
+    def __init__(self, journal: Journal, on_end: Callable[..., object]) -> None:
         super().__init__(journal)
         self._on_end = on_end
+        self._told: set[str] = set()
+
+    def ended(self, life: Life, now_ns: int) -> None:
+        if life.was_told:
+            self._told.add(life.child.name)
+        super().ended(life, now_ns)
 
     def hesitates(self, life: Life) -> bool:
         is_success = life.child.exit_code == 0 and not life.was_told
@@ -71,7 +77,9 @@ class _Ends(Judge):
     def decide(
         self, child: ChildProcess, now_ns: int, *, failed: bool, ran_s: float, status: int
     ) -> None:
-        self._on_end(child.name, status, ran_s)
+        was_told = child.name in self._told
+        self._told.discard(child.name)
+        self._on_end(child.name, status, ran_s, was_told=was_told)
 
 
 class Crew:
@@ -171,8 +179,9 @@ class Crew:
         if program.key in self._children:
             self._supervisor.end(self._children[program.key])
 
-    def _ended(self, key: str, status: int, ran_s: float) -> None:
-        self._tell(partial(self._fleet().ended, key, status, ran_s))
+    def _ended(self, key: str, status: int, ran_s: float, *, was_told: bool) -> None:
+        fleet = self._fleet()
+        self._tell(lambda now_ns: fleet.ended(key, status, ran_s, now_ns, was_told=was_told))
 
     def _seek(self, key: str, line: str) -> None:
         sought = self._sought.get(key)
@@ -189,5 +198,3 @@ class Crew:
         if self.fleet is None:
             raise RuntimeError("nobody commands this crew")
         return self.fleet
-
-

@@ -32,7 +32,9 @@ def find_file(name: str | Path, beside: Path) -> Path:
     raise ConfigurationError(f"there is no file {name}{where}")
 
 
-def read_checked(config: str | Path | Mapping[str, Any], beside: Path) -> tuple[Description, Faults]:
+def read_checked(
+    config: str | Path | Mapping[str, Any], beside: Path
+) -> tuple[Description, Faults]:
     """Return a description, with every mistake in it and everything that this machine lacks.
 
     Args:

@@ -93,9 +93,7 @@ class Entry:
 class Fleet:
     """All programs of a run."""
 
-    def __init__(
-        self, programs: Sequence[Program], enabled: Collection[str], hands: Hands
-    ) -> None:
+    def __init__(self, programs: Sequence[Program], enabled: Collection[str], hands: Hands) -> None:
         """Prepare a run; `begin` starts it.
 
         Args:
@@ -171,7 +169,9 @@ class Fleet:
         self._hands.say(key, logging.ERROR, f"cannot be started: {why}")
         self.ended(key, 1, 0.0, now_ns)
 
-    def ended(self, key: str, status: int, ran_s: float, now_ns: int) -> None:
+    def ended(
+        self, key: str, status: int, ran_s: float, now_ns: int, *, was_told: bool = False
+    ) -> None:
         """Take the news that all processes of a program have ended.
 
         Args:
@@ -179,12 +179,13 @@ class Fleet:
             status: Exit status as a shell would give it.
             ran_s: Seconds that it ran.
             now_ns: Present time.
+            was_told: Whether a user has stopped it, as with Ctrl-C in its pane.
         """
         entry = self.entries[key]
         entry.status = status
         entry.has_begun = False
         wants_restart, entry.wants_restart = entry.wants_restart, False
-        if entry.state == "stopping" or self.is_stopping:
+        if entry.state == "stopping" or self.is_stopping or was_told:
             self._change(entry, "stopped", now_ns)
             if wants_restart and not self.is_stopping:
                 self._start(entry, now_ns)
@@ -346,4 +347,3 @@ class Fleet:
             entry.due_ns = None
         entry.state, entry.since_ns = state, now_ns
         self._hands.changed(entry)
-

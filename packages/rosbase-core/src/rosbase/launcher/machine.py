@@ -63,7 +63,7 @@ def _check_session(session: Session, faults: Faults) -> None:
         text = f"ros_setup: no file {printable(str(setup))}"
         faults.add(session.lines.get("ros_setup", 0), text)
         setup = None
-    wanted = []
+    wanted: list[_Word] = []
     for program in session.programs:
         if session.workspace.is_dir() and not program.folder.is_dir():
             text = f"project: no folder {printable(str(program.folder))}"
@@ -123,10 +123,11 @@ def _plain_words(command: str) -> list[str]:
 
 def _script_of(program: Program, words: list[str]) -> Iterator[_Word]:
     """Yield the script that Python is to run, as a path."""
-    is_python = re.fullmatch(r"(.*/)?python[0-9.]*", words[0])
-    if is_python and len(words) > 1 and words[1].endswith(".py") and words[1][0] != "-":
-        if not _BY_THE_SHELL.search(words[1]):
-            yield _Word(program, f"./{words[1]}" if "/" not in words[1] else words[1])
+    if len(words) < 2 or not re.fullmatch(r"(.*/)?python[0-9.]*", words[0]):
+        return
+    file = words[1]
+    if file.endswith(".py") and not (file.startswith("-") or _BY_THE_SHELL.search(file)):
+        yield _Word(program, file if "/" in file else f"./{file}")
 
 
 def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Faults) -> None:

@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from multiprocessing import spawn
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from attrs import evolve, field, frozen
 
@@ -25,9 +25,19 @@ from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
 from rosbase.runtime.signal_masks import hold_signals
 
-__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order", "start_guarded"]
+__all__ = [
+    "GUARDIAN",
+    "CommandLaunch",
+    "GuardianProcess",
+    "Launch",
+    "Launched",
+    "NodeLaunch",
+    "Order",
+    "start_guarded",
+]
 
-_GUARDIAN = str(Path(__file__).with_name("guardian.py"))
+GUARDIAN = str(Path(__file__).with_name("guardian.py"))
+"""Path of the script that guards a child."""
 # The module search path comes first, so that the rest can be found as it is found here; and
 # before that, nothing is found in the current folder.
 _NODE = (
@@ -53,11 +63,36 @@ class Order:
     """Called, on a thread of its link, when a node sends unreadable data."""
 
 
+class GuardianProcess(Protocol):
+    """A guardian's process: a `subprocess.Popen`, or one that another process has started."""
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        ...
+
+    def send_signal(self, sig: int) -> None:
+        """Send a signal; do nothing if it has ended."""
+        ...
+
+    def kill(self) -> None:
+        """Send SIGKILL; do nothing if it has ended."""
+        ...
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end; return 0 if it has ended in order.
+
+        Raises:
+            subprocess.TimeoutExpired: It has not ended within that many seconds.
+        """
+        ...
+
+
 @frozen
 class Launched:
     """A child that has just been started, and its connections to this process."""
 
-    guardian: "subprocess.Popen[bytes]"
+    guardian: GuardianProcess
     control: socket.socket
     """Connection to the guardian: a byte stops the child, and so does closing it.
 
@@ -221,7 +256,7 @@ def start_guarded(
             os.set_blocking(fd, False)
         guardian = subprocess.Popen(
             [
-                *(_python(), "-I", "-S", _GUARDIAN),
+                *(_python(), "-I", "-S", GUARDIAN),
                 *(str(theirs.fileno()), str(os.getpid()), str(link_fd)),
                 *argv,
             ],

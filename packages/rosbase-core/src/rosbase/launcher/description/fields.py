@@ -113,7 +113,9 @@ class Fields:
             if item.is_scalar or item.data is None:
                 yield name, item.text
             else:
-                self._faults.add(item.line, f"{key}: '{printable(name)}' is a text, not {item.kind}")
+                self._faults.add(
+                    item.line, f"{key}: '{printable(name)}' is a text, not {item.kind}"
+                )
 
     def _wrong_kind(self, key: str, wanted: str) -> None:
         kind = self._values[key].kind

@@ -41,11 +41,11 @@ def read_program(
         faults: Where mistakes are noted.
     """
     named = value.data.get("name") if isinstance(value.data, dict) else None
-    is_named = named is not None and bool(named.text)
-    what = f"program '{printable(named.text)}'" if is_named else f"program {number}"
+    shown = printable(named.text) if named is not None else ""
+    what = f"program '{shown}'" if shown else f"program {number}"
     fields = Fields(value, what, PROGRAM_KEYS, faults)
     name = fields.text("name", f"program{number}", is_required=isinstance(value.data, dict))
-    if is_named and not (_NAME.fullmatch(name) and name.isprintable()):
+    if shown and not (_NAME.fullmatch(name) and name.isprintable()):
         fields.fault("name", f"the name {name!r} has blanks, or one of / : , or begins with -")
     policy = _restart(fields, faults)
     files, parameters = _parameters(fields, workspace, faults)

@@ -136,4 +136,6 @@ def _refuse_circles(description: Description, faults: Faults) -> None:
         if len(circle) == 1:
             faults.add(line, f"'{circle[0]}' waits for itself")
         else:
-            faults.add(line, f"programs wait for each other: {' after '.join([*circle, circle[0]])}")
+            faults.add(
+                line, f"programs wait for each other: {' after '.join([*circle, circle[0]])}"
+            )

@@ -67,7 +67,9 @@ class Value:
         return isinstance(self.data, (str, bool, int, float))
 
 
-def as_tree(data: object, line: int = 0, lines: Mapping[tuple[Any, ...], int] | None = None) -> Value:
+def as_tree(
+    data: object, line: int = 0, lines: Mapping[tuple[Any, ...], int] | None = None
+) -> Value:
     """Return the tree of data as a parser of TOML or JSON gives it.
 
     Args:
@@ -78,7 +80,9 @@ def as_tree(data: object, line: int = 0, lines: Mapping[tuple[Any, ...], int] | 
     return _tree(data, (), line, lines or {})
 
 
-def _tree(data: object, path: tuple[Any, ...], line: int, lines: Mapping[tuple[Any, ...], int]) -> Value:
+def _tree(
+    data: object, path: tuple[Any, ...], line: int, lines: Mapping[tuple[Any, ...], int]
+) -> Value:
     line = lines.get(path, line)
     if isinstance(data, Mapping):
         entries = {str(key): _tree(value, (*path, key), line, lines) for key, value in data.items()}

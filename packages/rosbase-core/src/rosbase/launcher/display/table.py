@@ -88,5 +88,10 @@ def _row(
 def _summary(entries: Sequence[Entry], columns: int, style: Style) -> str:
     counts = Counter(entry.state for entry in entries)
     parts = [f"{counts[state]} {state}" for state in _BY_INTEREST if counts[state]]
-    text = f"{len(entries)} programs: {', '.join(parts)}; Ctrl-C stops all"
+    hint = ""
+    if counts["running"] + counts["waiting"] + counts["restarting"]:
+        hint = "; Ctrl-C stops all"
+    elif counts["stopping"]:
+        hint = "; Ctrl-C again ends them at once"
+    text = f"{len(entries)} programs: {', '.join(parts)}{hint}"
     return style.paint(printable(text, columns), "dim")
