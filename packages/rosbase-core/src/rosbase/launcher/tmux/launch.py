@@ -50,7 +50,7 @@ class PaneLaunch(Launch):
             if output >= 0:
                 os.close(output)
             raise
-        connection.setblocking(False)
+        connection.settimeout(0.0)
         return Launched(guardian, connection, output, None)
 
 

@@ -43,7 +43,7 @@ class Panes:
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(folder / "panes"))
         self._listener.listen(64)
-        self._listener.setblocking(False)
+        self._listener.settimeout(0.0)
 
     def close(self) -> None:
         """Stop listening; the panes that wait end."""
@@ -251,7 +251,7 @@ def _read_line(connection: socket.socket, timeout_s: float) -> bytes:
 
 
 def _is_closed(connection: socket.socket) -> bool:
-    connection.setblocking(False)
+    connection.settimeout(0.0)
     try:
         return connection.recv(1, socket.MSG_PEEK) == b""
     except BlockingIOError:
