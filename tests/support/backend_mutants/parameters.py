@@ -133,6 +133,30 @@ class TellsOfWhatItRefuses(LocalBackend):
         return result
 
 
+@breaks("parameters-are-listed")
+class ListsThoseOfLifecycleNodes(LocalBackend):
+    def parameter_names(self) -> list[str]:
+        return self._parameters.names()
+
+
+@breaks("parameters-are-listed")
+class ListsThemSorted(LocalBackend):
+    def parameter_names(self) -> list[str]:
+        return sorted(super().parameter_names())
+
+
+@breaks("parameters-are-listed")
+class DescribesWithoutLimits(LocalBackend):
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        return evolve(super().describe_parameter(name), minimum=None)
+
+
+@breaks("parameters-are-listed")
+class DescribesAnything(LocalBackend):
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        return self._parameters.find(name) or ParameterSpec(name, 2)
+
+
 @breaks("nodes-have-their-own-parameters")
 class HasOneNode(LocalBackend):
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:

@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from rosbase.errors import (
         BackendError,
         ConfigurationError,
+        ControlError,
         DeviceBusyError,
         DeviceNotFoundError,
         DevicePermissionError,
@@ -243,6 +244,7 @@ __all__ = [
     "Clock",
     "CommandPlugin",
     "ConfigurationError",
+    "ControlError",
     "ConversionPlugin",
     "Descriptor",
     "Device",
@@ -389,6 +391,7 @@ _HOMES = {
     "Clock": "rosbase.clock",
     "CommandPlugin": "rosbase.plugins",
     "ConfigurationError": "rosbase.errors",
+    "ControlError": "rosbase.errors",
     "ConversionPlugin": "rosbase.plugins",
     "Descriptor": "rosbase.plugins",
     "Device": "rosbase.device",

@@ -20,14 +20,18 @@ RosbaseError
 │   └── NotADeviceError           a directory or a file; waiting will not help
 ├── TransitionNotAvailableError   the lifecycle state does not offer that transition
 ├── HandshakeTimeoutError         rules still pending when the time was up
+├── ControlError                  a request to a running program without a result
 ├── WireError                     bytes that are no message of the type
 └── PluginError                   a plugin that broke its promise
 ```
 """
 
+from collections.abc import Iterable
+
 __all__ = [
     "BackendError",
     "ConfigurationError",
+    "ControlError",
     "DeviceBusyError",
     "DeviceNotFoundError",
     "DevicePermissionError",
@@ -146,6 +150,19 @@ class TransitionNotAvailableError(RosbaseError):
 
 class HandshakeTimeoutError(RosbaseError):
     """Handshake rules did not come true in time; the message names them."""
+
+
+class ControlError(RosbaseError):
+    """A request to a running program has no result. The message is one line.
+
+    `kind` is one of `unknown`, `ambiguous`, `refused`, `timeout`, `invalid` and `failed`.
+    `suggestions` are names that may have been meant.
+    """
+
+    def __init__(self, text: str, kind: str = "failed", suggestions: Iterable[str] = ()) -> None:
+        super().__init__(text)
+        self.kind = kind
+        self.suggestions = list(suggestions)
 
 
 class WireError(RosbaseError):

@@ -245,6 +245,14 @@ class RosNode(NodeConnection):
         """Set parameters of the node, or none of them if one is refused."""
         return self._parameters.set(parameters)
 
+    def parameter_names(self) -> list[str]:
+        """Return the names of the node's parameters, with those that rclpy has declared."""
+        return self._parameters.names()
+
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter."""
+        return self._parameters.describe(name)
+
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` on the main loop before parameters are set, from any source."""
         self._parameters.add_callback(callback)

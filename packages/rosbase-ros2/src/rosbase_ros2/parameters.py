@@ -161,6 +161,31 @@ class RosParameters:
         spec = self._rules.find(name)
         return Parameter(name, value if spec is None else check_value(spec, _plain(value)))
 
+    def names(self) -> list[str]:
+        """Return the names of all parameters of the node, in the order of declaration."""
+        # Not by rclpy's `list_parameters`, which fails if another thread declares one meanwhile.
+        return list(self._node._parameters)
+
+    def describe(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter, or what ROS tells of one that is not rosbase's.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+        spec = self._rules.find(name)
+        if spec is not None:
+            return spec
+        if not self._node.has_parameter(name):
+            raise ParameterError(f"parameter {name} has not been declared")
+        found, descriptor = self._node.get_parameter(name), self._node.describe_parameter(name)
+        kinds = {ros_type: kind for kind, ros_type in _TYPES.items()}
+        # One without a value is shown as an empty text.
+        kind = kinds.get(found.type_, ParameterKind.STRING)
+        value = "" if found.value is None else _plain(found.value)
+        return ParameterSpec(
+            name, value, descriptor.description, kind=kind, read_only=descriptor.read_only
+        )
+
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused. Call it on the main loop."""
         try:

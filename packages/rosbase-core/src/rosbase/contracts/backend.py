@@ -2,7 +2,8 @@
 
 Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `destroy_subscription`, `declare_parameter`, `get_parameter`, `set_parameters`,
-`add_on_set_parameters_callback`, `add_post_set_parameters_callback`, `close`.
+`parameter_names`, `describe_parameter`, `add_on_set_parameters_callback`,
+`add_post_set_parameters_callback`, `close`.
 
 May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
 `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,

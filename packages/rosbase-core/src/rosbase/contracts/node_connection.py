@@ -192,6 +192,24 @@ class NodeConnection(ABC):
         """
 
     @abstractmethod
+    def parameter_names(self) -> list[str]:
+        """Return the names of the declared parameters, in the order of their declaration.
+
+        Those of a lifecycle node belong to its own connection, and are not among its manager's.
+        Call it from any thread.
+        """
+
+    @abstractmethod
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter under that name. Call it from any thread.
+
+        Its default is the one of the program, not the current value.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+
+    @abstractmethod
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` on the spinning thread before parameters are set, from any source."""
 

@@ -132,6 +132,15 @@ class NodeView(NodeConnection):
         outer = [Parameter(self._prefix + p.name, p.value) for p in parameters]
         return self._shared.set_parameters(outer)
 
+    def parameter_names(self) -> list[str]:
+        """Return the names of the node's parameters."""
+        names = self._shared.parameter_names()
+        return [n.removeprefix(self._prefix) for n in names if n.startswith(self._prefix)]
+
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter."""
+        return evolve(self._shared.describe_parameter(self._prefix + name), name=name)
+
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` before parameters of this node are set."""
 

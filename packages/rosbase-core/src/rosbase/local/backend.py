@@ -10,7 +10,7 @@ from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, P
 from rosbase.contracts.service_callback import check_service_type, service_answer
 from rosbase.contracts.service_server import ServiceServer
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
-from rosbase.errors import BackendError
+from rosbase.errors import BackendError, ParameterError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription
@@ -143,6 +143,17 @@ class LocalBackend(Backend):
         """Set all parameters, or none if one is refused."""
         return self._parameters.set(parameters)
 
+    def parameter_names(self) -> list[str]:
+        """Return the names of the parameters that belong to no lifecycle node."""
+        return self._standard.parameters_of("").names()
+
+    def describe_parameter(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter."""
+        spec = self._parameters.find(name)
+        if spec is None:
+            raise ParameterError(f"parameter {name} has not been declared")
+        return spec
+
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
         """Ask `callback` before parameters are set."""
         self._parameters.add_callback(callback)
@@ -155,7 +166,7 @@ class LocalBackend(Backend):
         """Open the connection of a node; a lifecycle node has standard services of its own."""
         if not is_lifecycle:
             return super().open_node(name, is_lifecycle=False)
-        node = LocalNode(self, name, self._standard.offer_lifecycle)
+        node = LocalNode(self, name, self._standard)
         self._standard.offer_parameters(node.node_name, f"{name}.")
         return node
 

@@ -12,6 +12,7 @@ from rosbase.logger.console import current_console
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
+from rosbase.logger.observer import observers
 from rosbase.logger.record_text import error_of, fill_in, stack_of, traceback_of, whole_text
 from rosbase.text.printable import log_line
 
@@ -266,6 +267,8 @@ class RosbaseLogger:
 
     def _hand_on(self, record: logging.LogRecord) -> None:
         """Pass a copy of a record to the listener, with all of its text in the message."""
+        for observer in observers:
+            observer(record)
         if self._listener is None:
             return
         heard = copy.copy(record)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.control.programs import may_be_offered, offered
 from rosbase.errors import HandshakeTimeoutError
 from rosbase.lifecycle import State
 from rosbase.logger import RosbaseLogger
@@ -15,6 +16,7 @@ from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.handshake import Handshake
 from rosbase.manager.main_loop import run_main_loop
 from rosbase.manager.precise_loop import run_precise_loop
+from rosbase.manager.program import ManagerProgram
 from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.processes import (
     ChildProcesses,
@@ -115,6 +117,7 @@ class BaseManager(Constructed):
         backend: str | Backend | None = None,
         handshake_timeout: float | None = None,
         timing: Literal["normal", "precise"] = "normal",
+        control: bool = True,
         main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
@@ -135,6 +138,8 @@ class BaseManager(Constructed):
                 by default never, and a minute in virtual time.
             timing: With `precise`, the loop spins for the last 100 us or so before each tick, which
                 costs processor time. In virtual time, both are exact.
+            control: Whether programs of this user, such as `rosbase topic list`, can look at this
+                one and operate it while it runs. `ROSBASE_CONTROL=off` turns it off for all.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
 
@@ -153,6 +158,8 @@ class BaseManager(Constructed):
         self.logger = open_logger(self.backend, node_name, custom_logger)
         self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
+        self._program = ManagerProgram(self)
+        self._is_offered = may_be_offered(self.backend, wanted=control)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
     if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
@@ -363,7 +370,10 @@ class BaseManager(Constructed):
             with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(processes, None)
             return
-        with stop_on_signals(self.request_stop, self.backend.executor.call_urgently) as stop:
+        with (
+            stop_on_signals(self.request_stop, self.backend.executor.call_urgently) as stop,
+            offered(self._program if self._is_offered else None, self.logger),
+        ):
             self._run(processes, stop)
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
@@ -373,10 +383,13 @@ class BaseManager(Constructed):
             # Again, because some may be attributes that were set after the constructor.
             check_methods(self, _PLAIN_METHODS)
             self._claim(processes, stop)
+            self._program.phase = "handshake"
             self._wait_for_handshake()
+            self._program.phase = "bringing up"
             bring_up(self._lifecycle_nodes(), self._is_stopping, self.logger)
             self._name_undeclared()
             self._clock_watch = ClockWatch(self.backend.executor.clock, self.logger)
+            self._program.phase = "running"
             self._run_loop(
                 self.backend.executor,
                 self.node_freq_hz,
@@ -504,6 +517,7 @@ class BaseManager(Constructed):
     def _shut_down(
         self, processes: ChildProcesses | None, stop: StopSignals | None
     ) -> BaseException | None:
+        self._program.phase = "stopping"
         self.backend.executor.begin_clean_up()
         if self._processes is not None:
             self._processes.stopping_soon()

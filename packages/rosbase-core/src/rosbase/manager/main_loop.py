@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from rosbase.runtime.executor import Executor
+from rosbase.runtime.executor import Executor, GuestCall
 from rosbase.runtime.rate import LoopStats, Rate
 
 __all__ = ["run_main_loop"]
@@ -49,7 +49,8 @@ def run_main_loop(
                 if left_ns > 0:
                     nap(left_ns / 1e9)
                 if ready:
-                    is_alone = False
+                    # One call from outside the program, such as for its state, does not count.
+                    is_alone = len(ready) == 1 and type(ready[0]) is GuestCall
                     executor.spin_until(deadline_ns, stopping)
                     if stopping():
                         return

@@ -10,6 +10,7 @@ from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.control.programs import may_be_offered, offered
 from rosbase.errors import ParameterError
 from rosbase.parameters import (
     Parameter,
@@ -26,6 +27,7 @@ from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.latest import Latest
+from rosbase.roles.program import NodeProgram
 from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -61,6 +63,7 @@ class BaseNode(Constructed, Component):
         backend: str | Backend | None = None,
         custom_logger: Callable[[str], Any] | None = None,
         parameter_defaults: Mapping[str, ParameterValue] | None = None,
+        control: bool = True,
         **kwargs: Any,
     ) -> None:
         """Attach to the manager, or open a connection.
@@ -74,6 +77,8 @@ class BaseNode(Constructed, Component):
             parameter_defaults: Values that replace the defaults of its parameters, by the name of
                 the parameter. With the name of a node in front, as in `camera.fps`, one is for
                 that node of a manager alone.
+            control: Whether programs of this user, such as `rosbase topic list`, can look at a
+                standalone node and operate it while it runs. `ROSBASE_CONTROL=off` turns it off.
             kwargs: Arguments that the manager forwards; ignored here. A standalone node warns of
                 those that its class does not name.
         """
@@ -92,6 +97,8 @@ class BaseNode(Constructed, Component):
         name = self._program_name = node_name or lone_node_name(self)
         self._connection = self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = open_logger(self._backend, name, custom_logger)
+        self._program = NodeProgram(self)
+        self._is_offered = may_be_offered(self._backend, wanted=control)
         warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
 
     def create_publisher(
@@ -277,7 +284,10 @@ class BaseNode(Constructed, Component):
             with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(None)
             return
-        with stop_on_signals(self._request_stop, self._backend.executor.call_urgently) as stop:
+        with (
+            stop_on_signals(self._request_stop, self._backend.executor.call_urgently) as stop,
+            offered(self._program if self._is_offered else None, self.logger),
+        ):
             self._run(stop)
 
     def request_stop(self) -> None:
@@ -342,8 +352,10 @@ class BaseNode(Constructed, Component):
         try:
             self._backend.executor.begin(lambda: self._stop_requested)
             self._backend.begin_run(self._request_stop)
+            self._program.phase = "bringing up"
             self._begin()
             self._name_undeclared()
+            self._program.phase = "running"
             while not self._stop_requested:
                 deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                 self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
@@ -370,6 +382,7 @@ class BaseNode(Constructed, Component):
         """Clean up a standalone node after it was spun."""
 
     def _shut_down(self, stop: StopSignals | None) -> BaseException | None:
+        self._program.phase = "stopping"
         self._backend.executor.begin_clean_up()
         return run_steps(
             [

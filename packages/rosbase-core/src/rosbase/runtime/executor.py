@@ -14,7 +14,7 @@ from threading import get_ident
 from rosbase.clock import Clock
 from rosbase.errors import BackendError
 
-__all__ = ["Executor", "ExecutorTimer"]
+__all__ = ["Executor", "ExecutorTimer", "GuestCall"]
 
 _NS_PER_S = 1_000_000_000
 _FEW_ENTRIES = 64
@@ -53,6 +53,19 @@ class ExecutorTimer:
     def destroy(self) -> None:
         """Stop the timer for good."""
         self._executor.cancel_timer(self, destroy=True)
+
+
+class GuestCall:
+    """A queued call of which the main loop does not conclude that others will follow."""
+
+    __slots__ = ("_function",)
+
+    def __init__(self, function: Callable[[], object]) -> None:
+        self._function = function
+
+    def __call__(self) -> object:
+        """Make the call."""
+        return self._function()
 
 
 class Executor:
@@ -140,6 +153,14 @@ class Executor:
             except RuntimeError:
                 # Somebody else has just done it.
                 pass
+
+    def call_as_guest(self, function: Callable[[], object]) -> None:
+        """Queue a call from outside of the program, of which there will be few.
+
+        After such a call, the main loop sleeps as before; see `run_main_loop`. The call may come
+        some milliseconds late.
+        """
+        self.call_soon(GuestCall(function))
 
     def call_urgently(self, function: Callable[[], object]) -> None:
         """Queue a call that runs even during `wait`. It takes no lock, as `call_soon`."""

@@ -63,6 +63,15 @@ class Histogram:
                 return min(_upper_edge(index), self.maximum)
         return self.maximum
 
+    def buckets(self) -> list[tuple[int, int]]:
+        """Return the largest value and the count of each bucket that is not empty, in order."""
+        return [(_upper_edge(index), number) for index, number in enumerate(self._counts) if number]
+
+    def minimum(self) -> int:
+        """Return the smallest recorded value, to within 1/32; 0 if there is none."""
+        first = next((index for index, number in enumerate(self._counts) if number), 0)
+        return _upper_edge(first - 1) + 1 if first else 0
+
 
 def _upper_edge(index: int) -> int:
     if index < 2 * _STEPS:

@@ -50,3 +50,8 @@ class WakePipe:
                 self._is_closed = True
                 os.close(self._read_fd)
                 os.close(self._write_fd)
+
+    def abandon(self) -> None:
+        """Close the pipe in a forked child, where a thread that is gone may hold its lock."""
+        self._lock = threading.Lock()
+        self.close()

@@ -12,6 +12,7 @@ from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.bus import Bus
 from rosbase.local.service_registry import type_name
 from rosbase.local.standard.catalog import LIFECYCLE, PARAMETERS, TRANSITION_EVENT
+from rosbase.local.standard.node_parameters import NodeParameters
 from rosbase.logger import RosbaseLogger
 
 __all__ = ["StandardOffers"]
@@ -71,6 +72,10 @@ class StandardOffers:
         managed.add_transition_listener(partial(self._publish, node))
         self._bus.services.standard_changed(node, LIFECYCLE)
 
+    def parameters_of(self, prefix: str) -> NodeParameters:
+        """Return the parameters of the node whose names in the store have the prefix."""
+        return NodeParameters(self._store, prefix, self._prefixes.values())
+
     def has(self, node: str, kind: str) -> bool:
         """Return whether a node has services of that kind."""
         return node in (self._lifecycles if kind == LIFECYCLE else self._prefixes)
@@ -119,12 +124,9 @@ class StandardOffers:
             refuse = partial(self._warn_of_refusal, node)
             answers = lifecycle_answers(self._lifecycles[node], refuse)
         else:
-            from rosbase.local.standard.node_parameters import NodeParameters
             from rosbase.local.standard.parameter_answers import parameter_answers
 
-            prefix = self._prefixes[node]
-            parameters = NodeParameters(self._store, prefix, self._prefixes.values())
-            answers = parameter_answers(parameters)
+            answers = parameter_answers(self.parameters_of(self._prefixes[node]))
         return make_services(node, answers, self._backend.executor, self._logger)
 
     def _warn_of_refusal(self, node: str, line: str) -> None:

@@ -202,6 +202,34 @@ class ParameterChecks(BackendRig):
         expected = {"front": 3.5, "rear": 4.5, "left": 2.5}
         promised.require(found == expected, f"they are {found}, and should be {expected}")
 
+    def test_parameters_are_listed(self) -> None:
+        promised, backend = promise("parameters-are-listed"), self.open()
+        plain = backend.open_node("plain", is_lifecycle=False)
+        camera = backend.open_node("camera", is_lifecycle=True)
+        connections: dict[str, NodeConnection] = {"kit": backend, "plain": plain, "camera": camera}
+        for connection in connections.values():
+            connection.declare_parameter(ParameterSpec("zoom", 2, "times", minimum=1))
+            connection.declare_parameter(ParameterSpec("exposure", 0.5))
+        expected = {
+            "kit": ["zoom", "exposure", "plain.zoom", "plain.exposure"],
+            "plain": ["zoom", "exposure"],
+            "camera": ["zoom", "exposure"],
+        }
+        for node, connection in connections.items():
+            # A backend may have others of its own.
+            names = [n for n in connection.parameter_names() if n.endswith(("zoom", "exposure"))]
+            promised.require(names == expected[node], f"{node} listed {names}")
+            spec = connection.describe_parameter("zoom")
+            found = spec.name, spec.default, spec.description, spec.minimum
+            promised.require(found == ("zoom", 2, "times", 1), f"{node} described zoom as {found}")
+        self.refuses(
+            promised,
+            ParameterError,
+            lambda: camera.describe_parameter("speed"),
+            "describing speed, which was not declared,",
+            "speed",
+        )
+
     def test_undeclared_parameters_are_errors(self) -> None:
         promised, backend = promise("undeclared-parameters-are-errors"), self.open()
         self.refuses(

@@ -153,6 +153,10 @@ _SENTENCES = {
         "Nodes of one backend have their own parameters; `front.rate` sets the one of a node,"
         " `rate` those of all; callbacks are asked about their own node only"
     ),
+    "parameters-are-listed": (
+        "A node lists the parameters that it has declared, in order, without those of lifecycle"
+        " nodes, and describes each as declared"
+    ),
     "undeclared-parameters-are-errors": "An undeclared parameter is a ParameterError that names it",
     # Services.
     "services-answer": (

@@ -1,0 +1,119 @@
+"""The socket of this process in the file system: made, found stale, removed."""
+
+import os
+import socket
+import stat
+
+from rosbase.control.folder import make_folder, socket_path
+from rosbase.errors import ControlError
+
+__all__ = ["SocketFile", "is_stale", "remove_strays"]
+
+_MODE = 0o600
+_BACKLOG = 128
+# Processes with one pid, of several containers that share the folder.
+_MOST_PER_PID = 9
+_MOST_STRAYS = 1_000
+
+
+class SocketFile:
+    """A listening socket, and its name."""
+
+    def __init__(self) -> None:
+        """Open it.
+
+        Raises:
+            ControlError: The folder cannot be used.
+            OSError: The socket cannot be made.
+        """
+        self.folder = make_folder()
+        self._path = self._choose_path()
+        self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        made = f"{self._path}.new"
+        try:
+            self.listener.settimeout(0)
+            # Linux gives the file the mode of the socket, so that it has no other one first.
+            os.fchmod(self.listener.fileno(), _MODE)
+            _remove(made)
+            self.listener.bind(made)
+            os.chmod(made, _MODE)
+            self.listener.listen(_BACKLOG)
+            self._inode = os.stat(made).st_ino
+            # Only now has it its name: whoever finds one that refuses knows that nobody listens.
+            os.rename(made, self._path)
+        except BaseException:
+            self.listener.close()
+            _remove(made)
+            raise
+
+    def remove(self) -> None:
+        """Remove the name, unless it has become another socket's."""
+        try:
+            if os.lstat(self._path).st_ino == self._inode:
+                os.unlink(self._path)
+        except OSError:
+            # Somebody has cleaned up.
+            pass
+
+    def _choose_path(self) -> str:
+        pid = os.getpid()
+        for number in range(_MOST_PER_PID + 1):
+            path = socket_path(self.folder, pid, number)
+            # One of this pid is of a process before, unless that lives in another container.
+            if not os.path.lexists(path) or is_stale(path):
+                return path
+        raise ControlError(f"{_MOST_PER_PID} sockets of process {pid} are in use in {self.folder}")
+
+
+def is_stale(path: str) -> bool:
+    """Return whether nobody listens at a socket."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(0)
+        try:
+            probe.connect(path)
+        except (ConnectionRefusedError, FileNotFoundError):
+            return True
+        except OSError:
+            # As if its queue were full.
+            return False
+    return False
+
+
+def remove_strays(folder: str) -> None:
+    """Remove the sockets of processes that are gone."""
+    for name in os.listdir(folder)[:_MOST_STRAYS]:
+        pid, dot, ending = name.partition(".")
+        number = pid.partition("-")[0]
+        if not (dot and ending in ("sock", "sock.new") and number.isdecimal()):
+            continue
+        path = f"{folder}/{name}"
+        # Those of the living are not disturbed.
+        if not _is_alive(int(number)) and is_stale(path):
+            _remove_socket(path)
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _remove_socket(path: str) -> None:
+    try:
+        found = os.lstat(path)
+        if stat.S_ISSOCK(found.st_mode):
+            os.unlink(path)
+    except OSError:
+        # Another process has found it too.
+        pass
+
+
+def _remove(path: str) -> None:
+    try:
+        os.unlink(path)
+    except FileNotFoundError:
+        pass
