@@ -5,7 +5,7 @@ from importlib import import_module
 from typing import Any
 
 from rosbase.messages.fields import TYPECODES, Width
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["as_ros", "ros_class"]
 

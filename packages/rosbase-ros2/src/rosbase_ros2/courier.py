@@ -8,7 +8,7 @@ from attrs import frozen
 
 from rosbase.messages.fields import Width, ros_type
 from rosbase.wire import describe, reader, writer
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.wire.structure import Field, Kind, MessageType
 from rosbase_ros2.conversion import Conversions
 
 __all__ = ["Courier", "courier_of", "require_same", "ros_class"]

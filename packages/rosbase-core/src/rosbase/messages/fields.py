@@ -13,8 +13,10 @@ from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
 from attrs import Attribute, field, frozen
 
 from rosbase.messages.pickling import make_picklable
+from rosbase.messages.widths import TYPECODES, Width
 
 __all__ = [
+    "TYPECODES",
     "AtMost",
     "Buffer",
     "Byte",
@@ -44,43 +46,6 @@ ClassT = TypeVar("ClassT", bound=type)
 
 _ROS_TYPE = "__ros_type__"
 
-
-class Width(Enum):
-    """A primitive type of ROS; the value is its name in a .msg file."""
-
-    BOOL = "bool"
-    BYTE = "byte"
-    CHAR = "char"
-    FLOAT32 = "float32"
-    FLOAT64 = "float64"
-    INT8 = "int8"
-    INT16 = "int16"
-    INT32 = "int32"
-    INT64 = "int64"
-    UINT8 = "uint8"
-    UINT16 = "uint16"
-    UINT32 = "uint32"
-    UINT64 = "uint64"
-    STRING = "string"
-    WSTRING = "wstring"
-
-
-TYPECODES = {
-    Width.BOOL: "?",
-    Width.BYTE: "B",
-    Width.CHAR: "B",
-    Width.FLOAT32: "f",
-    Width.FLOAT64: "d",
-    Width.INT8: "b",
-    Width.INT16: "h",
-    Width.INT32: "i",
-    Width.INT64: "q",
-    Width.UINT8: "B",
-    Width.UINT16: "H",
-    Width.UINT32: "I",
-    Width.UINT64: "Q",
-}
-"""Code of each number in `struct`, `array` and `memoryview`."""
 
 _SAME_SIZE = {"q": "lq", "Q": "LQ", "i": "il", "I": "IL"}
 

@@ -3,14 +3,16 @@
 Everything is compiled or computed once for a message class, at its first use.
 """
 
-from typing import Any, TypeVar
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from rosbase.wire.description import MessageType, describe
-from rosbase.wire.prepared import maker, packer
-from rosbase.wire.reader import reader
-from rosbase.wire.schema import schema
-from rosbase.wire.type_hash import dds_type_name, type_hash
-from rosbase.wire.writer import writer
+if TYPE_CHECKING:
+    from rosbase.wire.class_reader import deserialize, reader
+    from rosbase.wire.class_writer import serialize, writer
+    from rosbase.wire.description import MessageType, describe
+    from rosbase.wire.hashes import dds_type_name, type_hash
+    from rosbase.wire.prepared import maker, packer
+    from rosbase.wire.schemas import schema
 
 __all__ = [
     "MessageType",
@@ -26,25 +28,31 @@ __all__ = [
     "writer",
 ]
 
-MessageT = TypeVar("MessageT")
+# No module has the name of a function: once imported, it would hide it.
+_HOMES = {
+    "MessageType": "structure",
+    "dds_type_name": "hashes",
+    "describe": "description",
+    "deserialize": "class_reader",
+    "maker": "prepared",
+    "packer": "prepared",
+    "reader": "class_reader",
+    "schema": "schemas",
+    "serialize": "class_writer",
+    "type_hash": "hashes",
+    "writer": "class_writer",
+}
 
 
-def serialize(message: Any) -> bytes:
-    """Return a message as CDR, as `rclpy.serialization.serialize_message` does.
+def __getattr__(name: str) -> Any:
+    """Import each name on first use: `plain` does without most of them."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
 
-    Raises:
-        TypeError: It is no message, or a field has a value of the wrong kind; the text names it.
-        ValueError: A value is out of the range of its field; the text names it.
-    """
-    return writer(type(message))(message)
 
-
-def deserialize(data: bytes, message_type: type[MessageT]) -> MessageT:
-    """Return the message of that class in CDR of either byte order.
-
-    Raises:
-        TypeError: The class is no message.
-        WireError: The bytes are no such message.
-    """
-    message: MessageT = reader(message_type)(data)
-    return message
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

@@ -6,11 +6,10 @@ front, with the NUL that ends it; a sequence has its number of elements in front
 """
 
 import struct
+from typing import NamedTuple
 
-from attrs import frozen
-
-from rosbase.messages.fields import TYPECODES
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.messages.widths import TYPECODES
+from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["HEADER", "ORDERS", "SIZES", "Run", "least_size", "least_size_of_element"]
 
@@ -37,8 +36,7 @@ def least_size_of_element(of: Field) -> int:
     return SIZES.get(of.element, 4)
 
 
-@frozen
-class Run:
+class Run(NamedTuple):
     """Numbers that stand one behind the other, and the padding between them.
 
     The padding depends on where the run begins, so there are eight layouts.

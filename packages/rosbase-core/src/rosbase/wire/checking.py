@@ -9,8 +9,8 @@ from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import Any
 
-from rosbase.messages.fields import Width
-from rosbase.wire.description import Field, Kind, MessageType
+from rosbase.messages.widths import Width
+from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["made_usual"]
 

@@ -3,73 +3,18 @@
 import dataclasses
 import typing
 from collections.abc import Iterator
-from enum import Enum
 from typing import Any, ClassVar
 
 import attrs
-from attrs import field, frozen
 
 from rosbase.messages.fields import AtMost, Fixed, Numbers, Width, ros_type
 from rosbase.wire.once import once_per_class
+from rosbase.wire.structure import Constant, Field, Kind, MessageType
 
 __all__ = ["Constant", "Field", "Kind", "MessageType", "describe"]
 
 _PLAIN = {float: Width.FLOAT64, str: Width.STRING, bool: Width.BOOL}
 _NUMBERS = (int, float, bool)
-
-
-class Kind(Enum):
-    """How many elements a field has."""
-
-    ONE = "one"
-    ARRAY = "array"
-    SEQUENCE = "sequence"
-
-
-@frozen
-class Field:
-    """One field of a message."""
-
-    name: str
-    alias: str
-    """Name of its argument in the constructor."""
-    element: "Width | MessageType"
-    """Type of the field, or of its elements."""
-    kind: Kind = Kind.ONE
-    size: int = 0
-    """Number of elements of an array, or the most of a bounded sequence; 0: any number."""
-    text_limit: int = 0
-    """Most bytes of a text; 0: any number."""
-    is_buffer: bool = False
-    """Whether its numbers are a buffer."""
-    is_keyword: bool = False
-    """Whether the constructor takes it by name only."""
-
-
-@frozen
-class Constant:
-    """One constant of a message."""
-
-    name: str
-    width: Width
-    value: Any
-
-
-@frozen(eq=False)
-class MessageType:
-    """Name, fields and class of a message."""
-
-    name: str
-    """ROS name, such as `sensor_msgs/msg/Imu`."""
-    cls: type
-    fields: tuple[Field, ...]
-    constants: tuple[Constant, ...] = field(default=(), repr=False)
-
-    def parts(self) -> Iterator["MessageType"]:
-        """Yield the messages within, each once, however deep, each before its own parts."""
-        found: dict[str, MessageType] = {}
-        _collect(self, found)
-        yield from found.values()
 
 
 @once_per_class
@@ -87,9 +32,8 @@ def describe(cls: type) -> MessageType:
         )
     hints = typing.get_type_hints(cls, include_extras=True)
     fields = tuple(
-        attrs.evolve(
-            _field(one.name, alias, hints[one.name], f"{cls.__name__}.{one.name}"),
-            is_keyword=bool(one.kw_only),
+        _field(one.name, alias, hints[one.name], f"{cls.__name__}.{one.name}")._replace(
+            is_keyword=bool(one.kw_only), default=_default(one.default)
         )
         for one, alias in _declared(cls)
     )
@@ -103,11 +47,13 @@ def _declared(cls: Any) -> list[tuple[Any, str]]:
     return [(one, one.name) for one in dataclasses.fields(cls) if one.init]
 
 
-def _collect(of: MessageType, found: dict[str, MessageType]) -> None:
-    for one in of.fields:
-        if isinstance(one.element, MessageType) and one.element.name not in found:
-            found[one.element.name] = one.element
-            _collect(one.element, found)
+def _default(value: Any) -> Any:
+    """Return the default of a field if a schema can have it: what is not zero or empty."""
+    many = value if isinstance(value, tuple) else (value,)
+    is_plain = all(
+        one.isprintable() if isinstance(one, str) else isinstance(one, (int, float)) for one in many
+    )
+    return value if is_plain and any(many) else None
 
 
 def _field(name: str, alias: str, hint: Any, where: str) -> Field:

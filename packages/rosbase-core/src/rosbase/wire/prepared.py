@@ -14,10 +14,10 @@ from attrs import frozen
 
 from rosbase.messages.fields import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES
+from rosbase.wire.class_writer import writer
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.pieces import text_of, wide_text_of
 from rosbase.wire.source import Source
-from rosbase.wire.writer import writer
 
 __all__ = ["maker", "packer"]
 

@@ -1,63 +1,65 @@
-"""From CDR to a message, by a function that is compiled once for its class and byte order."""
+"""From CDR to a message, by a function that is compiled once for its type and byte order.
+
+`Make` decides what a message becomes: an object of its class, or plain data.
+"""
 
 import functools
 import struct
-from collections.abc import Callable
-from typing import Any
-
-import attrs
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
 
 from rosbase.errors import WireError
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import ORDERS, Run, least_size_of_element
-from rosbase.wire.description import Field, Kind, MessageType, describe
-from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import WIDE_SIZE, read_numbers, read_text, read_view, read_wide_text
 from rosbase.wire.source import Source
+from rosbase.wire.structure import Field, Kind, MessageType
 
-__all__ = ["reader"]
+__all__ = ["Make", "Values", "compiled_reader"]
 
-_OUR_OWN = "rosbase.messages."
 _HEADER_SIZE = 4
 
+Values: TypeAlias = Sequence[tuple[Field, str]]
+"""The fields of a message, each with the expression of its value."""
 
-@once_per_class
-def reader(cls: type) -> Callable[[bytes], Any]:
-    """Return the function that reads messages of a class.
+Make: TypeAlias = Callable[[Source, list[str], MessageType, Values], str]
+"""Adds lines that make a message to the list, and returns the expression of it."""
+
+
+def compiled_reader(of: MessageType, make: Make) -> Callable[[bytes], Any]:
+    """Return the function that reads messages of a type.
 
     It raises WireError for bytes that are no such message. Buffers of the message are views of the
     bytes, without a copy.
-
-    Raises:
-        TypeError: The class is no message.
     """
-    own = describe(cls)
 
     def read(data: bytes) -> Any:
         order = ORDERS.get(bytes(data[:2]))
         if order is None:
-            raise WireError(f"{own.name}: the bytes do not begin as CDR does")
+            raise WireError(f"{of.name}: the bytes do not begin as CDR does")
         # What can be changed is copied: a message cannot be.
         view = memoryview(data)
         view = view if view.readonly else memoryview(bytes(view))
         try:
-            return _getter(own, order)(view, _HEADER_SIZE)[0]
+            return _getter(of, order, make)(view, _HEADER_SIZE)[0]
         except WireError as error:
-            raise WireError(f"{own.name}: {error}") from None
+            raise WireError(f"{of.name}: {error}") from None
         except struct.error:
-            raise WireError(f"{own.name}: the message is cut short") from None
+            raise WireError(f"{of.name}: the message is cut short") from None
         except (TypeError, ValueError) as error:
             # Also of a class of the program that checks its fields.
-            raise WireError(f"{own.name}: {error}") from None
+            raise WireError(f"{of.name}: {error}") from None
 
     return read
 
 
 @functools.cache
-def _getter(of: MessageType, order: str) -> Callable[[memoryview, int], tuple[Any, int]]:
+def _getter(
+    of: MessageType, order: str, make: Make
+) -> Callable[[memoryview, int], tuple[Any, int]]:
     """Return the function that gets a message, and where it ends."""
     source = Source("get_message(data, pos)")
-    body = _Body(source, order)
+    body = _Body(source, order, make)
     message = body.get_message(of)
     body.end_run()
     made = message()
@@ -74,9 +76,10 @@ _Later = Callable[[], str]
 class _Body:
     """The lines that get the fields of a message, run by run."""
 
-    def __init__(self, source: Source, order: str) -> None:
+    def __init__(self, source: Source, order: str, make: Make) -> None:
         self._source = source
         self._order = order
+        self._make = make
         self._codes: list[str] = []
         self._values = source.new("values")
         self.building: list[str] = []
@@ -87,7 +90,9 @@ class _Body:
         if not of.fields:
             self._number("B")
         found = [(one, self._get(one)) for one in of.fields]
-        return lambda: self._make(of, found)
+        return lambda: self._make(
+            self._source, self.building, of, [(one, value()) for one, value in found]
+        )
 
     def end_run(self) -> None:
         """Read the numbers of the run."""
@@ -177,7 +182,7 @@ class _Body:
         source.line(f"{many} = []")
         with source.block(f"for _ in range({count}):"):
             if isinstance(one.element, MessageType):
-                get = source.name_of(_getter(one.element, self._order), "get")
+                get = source.name_of(_getter(one.element, self._order, self._make), "get")
                 source.line(f"element, pos = {get}(data, pos)")
             else:
                 length = source.name_of(struct.Struct(f"{self._order}I").unpack_from, "length")
@@ -199,29 +204,3 @@ class _Body:
         with self._source.block(f"if {condition}:"):
             text = "elements are announced, which is more than there can be"
             self._source.line(f"raise {error}(f'{{{count}}} {text}')")
-
-    def _make(self, of: MessageType, found: "list[tuple[Field, _Later]]") -> str:
-        """Return the variable of a message, after the lines that make it."""
-        source, made = self._source, self._source.new("made")
-        kind = source.name_of(of.cls, "kind")
-        values = [(one, value()) for one, value in found]
-        if _can_be_filled(of):
-            # What has been read has the right types: no constructor, which would check them.
-            self.building.append(f"{made} = {source.name_of(object.__new__, 'new')}({kind})")
-            for one, value in values:
-                put = source.name_of(getattr(of.cls, one.name).__set__, "put")
-                self.building.append(f"{put}({made}, {value})")
-        else:
-            arguments = ", ".join(f"{one.alias}={value}" for one, value in values)
-            self.building.append(f"{made} = {kind}({arguments})")
-        return made
-
-
-def _can_be_filled(of: MessageType) -> bool:
-    """Return whether a class is one of ours, whose slots are all there is to its instances."""
-    return (
-        of.cls.__module__.startswith(_OUR_OWN)
-        and attrs.has(of.cls)
-        and not hasattr(of.cls, "__attrs_post_init__")
-        and all(hasattr(getattr(of.cls, one.name, None), "__set__") for one in of.fields)
-    )

@@ -1,4 +1,4 @@
-"""From a message to CDR, by a function that is compiled once for its class.
+"""From a message to CDR, by a function that is compiled once for its type.
 
 The fast function handles the usual case, and only notices unusual values. `checking` alone decides
 what is wrong with them.
@@ -9,11 +9,9 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES, Run
 from rosbase.wire.checking import made_usual
-from rosbase.wire.description import Field, Kind, MessageType, describe
-from rosbase.wire.once import once_per_class
 from rosbase.wire.pieces import (
     WIDE_SIZE,
     UnusualError,
@@ -24,8 +22,9 @@ from rosbase.wire.pieces import (
     wide_text_of,
 )
 from rosbase.wire.source import Source
+from rosbase.wire.structure import Field, Kind, MessageType
 
-__all__ = ["writer"]
+__all__ = ["compiled_writer"]
 
 _UNUSUAL = (
     UnusualError,
@@ -40,18 +39,13 @@ _PYTHON_TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = tuple(bytes(count) for count in range(8))
 
 
-@once_per_class
-def writer(cls: type) -> Callable[[Any], bytes]:
-    """Return the function that writes messages of a class as `rclpy.serialization` does.
+def compiled_writer(of: MessageType, where: str) -> Callable[[Any], bytes]:
+    """Return the function that writes messages of a type: objects with its fields.
 
     It raises TypeError for a value of the wrong kind, and ValueError for one out of the range of
-    its field; the text names the field.
-
-    Raises:
-        TypeError: The class is no message.
+    its field; the text names the field, below `where`.
     """
-    own = describe(cls)
-    put_message = _putter(own)
+    put_message = _putter(of)
 
     def write(message: Any) -> bytes:
         parts = [HEADER]
@@ -59,7 +53,7 @@ def writer(cls: type) -> Callable[[Any], bytes]:
             put_message(message, parts.append, 0)
         except _UNUSUAL:
             parts = [HEADER]
-            put_message(made_usual(message, own, cls.__name__), parts.append, 0)
+            put_message(made_usual(message, of, where), parts.append, 0)
         return b"".join(parts)
 
     return write

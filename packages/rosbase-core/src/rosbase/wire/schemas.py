@@ -1,6 +1,7 @@
 """The schema text of a message in the format `ros2msg`, as in recordings of MCAP."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from rosbase.wire.description import Field, Kind, MessageType, describe
 
@@ -9,28 +10,46 @@ __all__ = ["schema"]
 _RULE = "=" * 80
 
 
-def schema(cls: type) -> str:
+def schema(cls: type, *, with_defaults: bool = False) -> str:
     """Return the definition of a message class, followed by those of the messages within.
+
+    Args:
+        cls: The class.
+        with_defaults: Whether fields have their defaults, as in a `.msg` file.
 
     Raises:
         TypeError: It is no message.
     """
     own = describe(cls)
-    texts = ["".join(_lines(own))]
+    texts = ["".join(_lines(own, with_defaults))]
     for part in own.parts():
-        texts.append(f"{_RULE}\nMSG: {_short(part)}\n" + "".join(_lines(part)))
+        lines = "".join(_lines(part, with_defaults))
+        texts.append(f"{_RULE}\nMSG: {_short(part)}\n{lines}")
     return "".join(texts)
 
 
-def _lines(of: MessageType) -> Iterator[str]:
+def _lines(of: MessageType, with_defaults: bool) -> Iterator[str]:
     for constant in of.constants:
         yield f"{constant.width.value} {constant.name}={_value(constant.value)}\n"
     for one in of.fields:
-        yield f"{_type(one)} {one.name}\n"
+        has_default = with_defaults and one.default is not None
+        default = f" {_default(one.default)}" if has_default else ""
+        yield f"{_type(one)} {one.name}{default}\n"
 
 
 def _value(value: object) -> object:
     return f'"{value}"' if isinstance(value, str) else value
+
+
+def _default(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_default, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return '"' + str.replace(value, "\\", "\\\\").replace('"', '\\"') + '"'
+    # `repr` of the plain number: that of an enumeration's member would be its name.
+    return repr(float(value) if isinstance(value, float) else int(value))
 
 
 def _type(of: Field) -> str:

@@ -8,7 +8,7 @@ from rosbase.messages.fields import Width
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from rosbase.wire.once import once_per_class
 
-__all__ = ["dds_type_name", "type_hash"]
+__all__ = ["dds_type_name", "hash_of", "type_hash"]
 
 # type_description_interfaces/msg/FieldType, for one element.
 _NESTED, _STRING, _WSTRING, _BOUNDED_STRING, _BOUNDED_WSTRING = 1, 17, 18, 21, 22
@@ -42,7 +42,11 @@ def type_hash(cls: type) -> str:
     Raises:
         TypeError: It is no message.
     """
-    own = describe(cls)
+    return hash_of(describe(cls))
+
+
+def hash_of(own: MessageType) -> str:
+    """Return the hash of a message type."""
     parts = sorted(own.parts(), key=lambda part: part.name)
     described = {
         "type_description": _described(own),

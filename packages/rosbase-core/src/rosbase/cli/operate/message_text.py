@@ -1,0 +1,116 @@
+"""Messages as text, as `ros2 topic echo` prints them: YAML, CSV and JSON. Pure.
+
+The rules for long lists and texts are those of rosidl_runtime_py (`message_to_yaml` and
+`message_to_csv`).
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+__all__ = ["Limits", "as_csv", "as_json", "shortened", "writer_for"]
+
+_CUT = "..."
+
+
+class Limits:
+    """What is left out of a message."""
+
+    __slots__ = ("length", "no_lists", "no_texts")
+
+    def __init__(
+        self, length: int | None = None, *, no_lists: bool = False, no_texts: bool = False
+    ) -> None:
+        self.length = length
+        """Most elements of a list and characters of a text; None for all."""
+        self.no_lists = no_lists
+        self.no_texts = no_texts
+
+
+def writer_for(given: Any) -> Callable[[Any], str]:
+    """Return the function that writes a message, or a field of one, as the options say."""
+    limits = Limits(
+        None if given.full_length else given.truncate_length,
+        no_lists=given.no_arr,
+        no_texts=given.no_str,
+    )
+    if given.json:
+        return lambda value: f"{as_json(value, limits)}\n"
+    if given.csv:
+        return lambda value: f"{as_csv(value, limits)}\n"
+    # JSON and CSV need it not.
+    from rosbase.text.yaml_text import as_yaml  # noqa: PLC0415 - as said
+
+    def write(value: Any) -> str:
+        value = shortened(value, limits)
+        if isinstance(value, dict):
+            return f"{as_yaml(value, flow=given.flow_style)}---\n"
+        return f"{_one_line(value)}\n---\n"
+
+    return write
+
+
+def _one_line(value: Any) -> str:
+    """Return a field that is no message, safe for a terminal."""
+    text = str(value)
+    if all(character in "\n\t" or character.isprintable() for character in text):
+        return text
+    return "".join(
+        c if c in "\n\t" or c.isprintable() else c.encode("unicode_escape").decode() for c in text
+    )
+
+
+def shortened(value: Any, limits: Limits) -> Any:
+    """Return a value as dicts, lists, texts and numbers, without what the limits leave out."""
+    if isinstance(value, dict):
+        return {name: shortened(one, limits) for name, one in value.items()}
+    if isinstance(value, str):
+        return _short_text(value, limits)
+    if isinstance(value, (list, tuple, memoryview, bytes)):
+        if limits.no_lists:
+            return f"<sequence type: length: {len(value)}>"
+        if limits.length is None or len(value) <= limits.length:
+            return [shortened(one, limits) for one in value]
+        return [*(shortened(one, limits) for one in value[: limits.length]), _CUT]
+    return value
+
+
+def _short_text(text: str, limits: Limits) -> str:
+    if limits.no_texts:
+        return f"<string length: <{len(text)}>>"
+    if limits.length is None or len(text) <= limits.length:
+        return text
+    return text[: limits.length] + _CUT
+
+
+def as_csv(value: Any, limits: Limits) -> str:
+    """Return all values of a message, one after the other, with commas between them."""
+    if isinstance(value, dict):
+        return ",".join(as_csv(one, limits) for one in value.values())
+    if isinstance(value, (list, tuple, memoryview, bytes)):
+        if limits.no_lists:
+            return str(shortened(value, limits))
+        parts = [as_csv(one, limits) for one in value[: limits.length]]
+        return ",".join([*parts, _CUT] if len(parts) < len(value) else parts)
+    return _one_line(_short_text(value, limits) if isinstance(value, str) else value)
+
+
+def as_json(value: Any, limits: Limits) -> str:
+    """Return a message as one line of JSON; numbers that JSON cannot carry are null."""
+    # YAML needs it not.
+    import json  # noqa: PLC0415 - as said
+
+    return json.dumps(_for_json(shortened(value, limits)), separators=(", ", ": "))
+
+
+def _for_json(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _for_json(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_for_json(one) for one in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

@@ -1,0 +1,67 @@
+"""Which programs hear each other. Pure.
+
+The backend `local` joins the nodes of one program and its child processes; `ros2` joins all.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosbase.control.shapes import Endpoint, Process, Topic
+
+__all__ = ["Bus", "buses", "observers", "on_several"]
+
+
+class Bus:
+    """Processes that share their topics."""
+
+    __slots__ = ("backend", "pids")
+
+    def __init__(self, backend: str, pids: Iterable[int]) -> None:
+        self.backend = backend
+        self.pids = frozenset(pids)
+
+
+def buses(processes: Iterable[Process]) -> list[Bus]:
+    """Return the groups of processes that hear each other."""
+    known = {process["pid"]: process for process in processes}
+    parent = {
+        child["pid"]: pid
+        for pid, process in known.items()
+        for program in process["programs"]
+        for child in program["children"]
+        if child["pid"] in known
+    }
+    groups: dict[tuple[str, int], set[int]] = {}
+    for pid, process in known.items():
+        names = [program["backend"] for program in process["programs"] if program["backend"]]
+        backend = names[0] if names else "local"
+        root = pid
+        while root in parent and parent[root] != root:
+            root = parent.pop(root)
+        groups.setdefault((backend, root if backend == "local" else 0), set()).add(pid)
+    return [Bus(backend, pids) for (backend, _), pids in sorted(groups.items())]
+
+
+def on_several(topic: Topic, all_buses: Iterable[Bus]) -> list[Bus]:
+    """Return the buses that carry the topic."""
+    ends = {end["pid"] for end in [*topic["publishers"], *topic["subscriptions"]]}
+    return [bus for bus in all_buses if bus.pids & ends]
+
+
+def observers(topic: Topic, bus: Bus) -> list[int]:
+    """Return the processes in which every message of the topic is seen exactly once.
+
+    A process sees what it publishes itself, and what its subscriptions get from others.
+    """
+    publishers = _pids(topic["publishers"], bus)
+    subscribers = _pids(topic["subscriptions"], bus)
+    if len(publishers) > 1 and subscribers:
+        return [min(publishers & subscribers or subscribers)]
+    return sorted(publishers) or sorted(subscribers)[:1]
+
+
+def _pids(ends: Iterable[Endpoint], bus: Bus) -> set[int]:
+    return {end["pid"] for end in ends if end["pid"] in bus.pids}

@@ -1,0 +1,133 @@
+"""Ask the programs of this user, or one of them."""
+
+from __future__ import annotations
+
+from rosbase.control.gathering import gather
+from rosbase.errors import ControlError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+    from rosbase.control.gathering import Ask
+    from rosbase.control.shapes import Process
+
+__all__ = ["Questions", "label"]
+
+def label(process: Process) -> str:
+    """Return how a process is named in a message: `robot [4711]`."""
+    return f"{process['name'].lstrip('/') or 'process'} [{process['pid']}]"
+
+
+class Questions:
+    """Questions to all programs, or to one.
+
+    Nothing is kept between two questions, so any thread may ask, and each answer is of the
+    programs that run at that time.
+    """
+
+    def __init__(self, program: str | int | None = None, timeout_s: float = 1.0) -> None:
+        """Ask all programs, or the one with that name or pid.
+
+        Args:
+            program: The name of a program, or the pid of its process; None asks all.
+            timeout_s: How long all programs together may take. One that does not answer is named
+                on stderr.
+        """
+        self._program = program
+        self._timeout_s = timeout_s
+
+    def require(self) -> None:
+        """Check that the chosen program runs.
+
+        Raises:
+            ControlError: It does not.
+        """
+        self._gather_all([("process", {})])
+
+    def processes(self) -> list[Process]:
+        """Return the running processes, by pid."""
+        return [process for _, process in self._gather("process")]
+
+    def _gather(self, ask: str, **arguments: Any) -> list[tuple[int, Any]]:
+        """Return the answers to one question, with the pid of each; refusals are left out."""
+        return [
+            (pid, answers[0])
+            for pid, answers in self._gather_all([(ask, arguments)])
+            if not isinstance(answers[0], ControlError)
+        ]
+
+    def _gather_all(self, asks: Sequence[Ask]) -> list[tuple[int, list[Any]]]:
+        """Return the answers to several questions.
+
+        Raises:
+            ControlError: The chosen program does not run.
+        """
+        pids = self._chosen()
+        found = gather(asks, self._timeout_s, pids)
+        if pids is not None and not found:
+            raise self._not_running()
+        return [(replies.pid, replies.answers) for replies in found]
+
+    def _chosen(self) -> list[int] | None:
+        """Return the pid of the chosen program; None for all.
+
+        Raises:
+            ControlError: No program has that name, or several have.
+        """
+        if self._program is None:
+            return None
+        if isinstance(self._program, int) or self._program.isdecimal():
+            return [int(self._program)]
+        return [self._named(self._program)["pid"]]
+
+    def _named(self, name: str) -> Process:
+        """Return the process with a program of that name, or that pid."""
+        found = [r.answers[0] for r in gather([("process", {})], self._timeout_s)]
+        processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
+        if name.isdecimal():
+            those = [p for p in processes if p["pid"] == int(name)]
+        else:
+            wanted = name.lstrip("/")
+            those = [p for p in processes if wanted in _names_of(p)]
+        if len(those) == 1:
+            return those[0]
+        # Only after a mistake.
+        from rosbase.control import names  # noqa: PLC0415 - as said
+
+        if not those:
+            known = [n for p in processes for n in (*_names_of(p), str(p["pid"]))]
+            raise names.unknown("program", name, known)
+        raise ControlError(
+            f"{len(those)} programs are named {name}: {', '.join(map(label, those))}; "
+            "choose one by the number of its process",
+            "ambiguous",
+            [str(p["pid"]) for p in those],
+        )
+
+    def _not_running(self) -> ControlError:
+        text = f"no program {self._program} runs, or it has no control socket"
+        return ControlError(text, "unknown")
+
+    def _labels(self) -> dict[int, str]:
+        return {process["pid"]: label(process) for process in self.processes()}
+
+    def _one(self, kind: str, name: str, owners: Mapping[str, list[int]]) -> tuple[str, int]:
+        """Return the full name and the pid of the only process that has it.
+
+        Raises:
+            ControlError: None has it, or several have.
+        """
+        full = name if name.startswith("/") else f"/{name}"
+        pids = set(owners.get(full, ()))
+        if len(pids) == 1:
+            return full, pids.pop()
+        from rosbase.control import names  # noqa: PLC0415 - as above
+
+        return names.one_of(kind, name, owners, self._labels() if pids else {})
+
+
+def _names_of(process: Process) -> list[str]:
+    """Return the names of the programs in a process, without the slash in front."""
+    return list(dict.fromkeys(program["name"].lstrip("/") for program in process["programs"]))

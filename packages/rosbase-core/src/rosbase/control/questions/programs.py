@@ -1,0 +1,139 @@
+"""Questions about programs as a whole: statistics, log, stop and restart."""
+
+from __future__ import annotations
+
+from rosbase.control.gathering import ask_one, gather
+from rosbase.control.questions.base import Questions, label
+from rosbase.errors import ControlError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosbase.control.gathering import Ask
+    from rosbase.control.shapes import Launched, LogRecord, Process, Statistics
+    from rosbase.control.watching import Watch
+
+__all__ = ["ProgramQuestions"]
+
+_RESTART_S = 30.0
+
+
+class ProgramQuestions(Questions):
+    """Questions about programs, and their end."""
+
+    def statistics(self) -> list[Statistics]:
+        """Return the times of the ticks of all programs that have a main loop."""
+        found = []
+        for pid, answer in self._gather("statistics"):
+            found += [{**one, "pid": pid} for one in answer.get("programs", [answer])]
+        return found  # type: ignore[return-value]
+
+    def log(
+        self, *, level: int = 0, last: int | None = None, follow: bool = False
+    ) -> Iterator[LogRecord]:
+        """Yield the records of the log that are in memory, oldest first, and then new ones.
+
+        Args:
+            level: The least level, a number of `logging`.
+            last: How many records from the end; None for all that the programs have kept.
+            follow: Whether to go on with new records, until the programs have ended.
+        """
+        from rosbase.control.watching import Watch  # noqa: PLC0415 - the only one that needs it
+
+        pids = self._chosen()
+        if pids is None:
+            pids = [replies.pid for replies in gather([], self._timeout_s)]
+        arguments: dict[str, object] = {"level": level, "follow": follow}
+        if last is not None:
+            arguments["last"] = last
+        watch = Watch(pids, "log", arguments)
+        try:
+            yield from _in_order(watch, last)
+        finally:
+            watch.close()
+
+    def processes_and_launched(self) -> tuple[list[Process], list[Launched]]:
+        """Return what `processes` and `launched` do, of the same moment."""
+        processes, launched = [], []
+        asks: list[Ask] = [("process", {}), ("launcher.list", {})]
+        for pid, (process, started) in self._gather_all(asks):
+            if not isinstance(process, ControlError):
+                processes.append(process)
+            if not isinstance(started, ControlError):
+                launched += [{**one, "launcher": pid} for one in started["programs"]]
+        return processes, launched  # type: ignore[return-value]
+
+    def launched(self) -> list[Launched]:
+        """Return the programs that `rosbase up` has started."""
+        return [
+            {**one, "launcher": pid}
+            for pid, answer in self._gather("launcher.list")
+            for one in answer["programs"]
+        ]
+
+    def stop(self, name: str | int) -> str:
+        """End a program in order, as with Ctrl-C; return what was asked to end.
+
+        Args:
+            name: A program, its pid, or the name of a program that `rosbase up` has started.
+
+        Raises:
+            ControlError: No program has that name, or several have.
+        """
+        if (one := self._launched_as(str(name))) is not None:
+            ask_one(
+                one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S
+            )
+            return one["name"]
+        process = self._named(str(name))
+        ask_one(process["pid"], "stop", {})
+        return label(process)
+
+    def restart(self, name: str) -> str:
+        """End and start a program of `rosbase up`; return its name.
+
+        Raises:
+            ControlError: No launcher has a program of that name.
+        """
+        one = self._launched_as(name)
+        if one is None:
+            from rosbase.control.names import unknown  # noqa: PLC0415 - only after a mistake
+
+            raise unknown("program of rosbase up", name, [o["name"] for o in self.launched()])
+        ask_one(one["launcher"], "launcher.restart", {"name": one["name"]}, wait_s=_RESTART_S)
+        return one["name"]
+
+    def _launched_as(self, name: str) -> Launched | None:
+        """Return the program of a launcher with that name or pid; None if there is none.
+
+        Raises:
+            ControlError: Several launchers have one.
+        """
+        those = [o for o in self.launched() if name in (o["name"], str(o["pid"]))]
+        if len(those) > 1:
+            who = ", ".join(f"process {one['launcher']}" for one in those)
+            raise ControlError(f"several launchers have a program {name}: {who}", "ambiguous")
+        return those[0] if those else None
+
+
+def _in_order(watch: Watch, last: int | None) -> Iterator[LogRecord]:
+    """Yield what the programs had kept, in the order of time, and then what comes."""
+    expected = sum(stream.answer.get("count", 0) for stream in watch.streams)
+    kept: list[LogRecord] = []
+    for record in watch.pid_events():
+        if expected == 0:
+            yield record
+            continue
+        kept.append(record)
+        expected -= 1
+        if expected == 0:
+            yield from _newest(kept, last)
+    if expected > 0:
+        # A program has ended in between.
+        yield from _newest(kept, last)
+
+
+def _newest(records: list[LogRecord], last: int | None) -> list[LogRecord]:
+    records.sort(key=lambda record: record["stamp_ns"])
+    return records if last is None else records[max(0, len(records) - last) :]

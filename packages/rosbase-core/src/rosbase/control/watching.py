@@ -1,0 +1,118 @@
+"""Watch a stream of events of one or more programs, such as the messages of a topic."""
+
+from __future__ import annotations
+
+import select
+
+from rosbase.control.client import Stream
+from rosbase.control.gathering import connect_to
+from rosbase.control.time_limit import TimeLimit
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import Any
+
+__all__ = ["Heard", "Watch"]
+
+
+class Heard:
+    """A message of a topic."""
+
+    __slots__ = ("_schema", "data", "dropped", "pid", "stamp_ns", "type")
+
+    def __init__(
+        self, pid: int, answer: dict[str, Any], event: dict[str, Any], data: bytes
+    ) -> None:
+        self.pid = pid
+        """Process that has published or received it."""
+        self.type: str = answer["type"]
+        """Type of the message, such as `sensor_msgs/msg/Imu`."""
+        self._schema: str = answer["schema"]
+        self.stamp_ns: int = event["stamp_ns"]
+        """When it was published, in nanoseconds since 1970."""
+        self.dropped: int = event["dropped"]
+        """How many messages this reader has missed so far, because it was too slow."""
+        self.data = data
+        """The message as CDR."""
+
+    @property
+    def message(self) -> dict[str, Any]:
+        """The fields of the message by name; messages within it are dicts as well."""
+        # A reader of bytes alone needs none of it.
+        from rosbase.wire.plain import decoder  # noqa: PLC0415 - as said
+
+        found: dict[str, Any] = decoder(self.type, self._schema)(self.data)
+        return found
+
+
+class Watch:
+    """The events of one request to several programs."""
+
+    def __init__(self, pids: Iterable[int], ask: str, arguments: dict[str, Any]) -> None:
+        """Ask each of them.
+
+        Raises:
+            ControlError: One refuses, or does not answer.
+        """
+        self._streams: dict[int, Stream] = {}
+        self._poll = select.poll()
+        try:
+            for pid in pids:
+                connection = connect_to(pid)
+                try:
+                    stream = Stream(connection, ask, arguments)
+                except BaseException:
+                    connection.close()
+                    raise
+                self._streams[connection.fileno()] = stream
+                self._poll.register(connection, select.POLLIN)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def streams(self) -> list[Stream]:
+        """The streams that have not ended."""
+        return list(self._streams.values())
+
+    def close(self) -> None:
+        """End all of them."""
+        for stream in self._streams.values():
+            stream.close()
+        self._streams.clear()
+
+    def events(self, timeout_s: float | None) -> Iterator[tuple[Any, bytes]]:
+        """Yield the events with the bytes behind them, until all streams or the time end."""
+        for _, event, data in self._events(timeout_s):
+            yield event, data
+
+    def pid_events(self) -> Iterator[Any]:
+        """Yield the events, each with the `pid` of its program, until all streams end."""
+        for stream, event, _ in self._events(None):
+            yield {**event, "pid": stream.connection.pid}
+
+    def heard(self, timeout_s: float | None) -> Iterator[Heard]:
+        """Yield the messages of a topic, until all streams or the time end."""
+        for stream, event, data in self._events(timeout_s):
+            yield Heard(stream.connection.pid, stream.answer, event, data)
+
+    def _events(self, timeout_s: float | None) -> Iterator[tuple[Stream, Any, bytes]]:
+        limit = TimeLimit(timeout_s)
+        ready = list(self._streams)
+        while self._streams:
+            for fd in ready:
+                stream = self._streams[fd]
+                for event, data in stream.events():
+                    yield stream, event, data
+                if stream.ended is not None:
+                    self._poll.unregister(fd)
+                    del self._streams[fd]
+                    stream.close()
+            if not self._streams:
+                return
+            ready = [fd for fd, _ in self._poll.poll(limit.left_ms)]
+            if not ready and limit.is_over:
+                return
+            for fd in ready:
+                self._streams[fd].read()
