@@ -140,7 +140,7 @@ class BaseLauncher:
             return start_in_tmux(description, enabled, launches)
         clock = SystemClock()
         show = Terminal([program.key for program in programs], clock)
-        run = Run(programs, enabled, launches, show, ControlReadiness(clock), clock)
+        run = Run(programs, enabled, launches, show, ControlReadiness(), clock)
         with control_of(run, description):
             return run.run()
 

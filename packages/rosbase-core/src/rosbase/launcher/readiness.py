@@ -4,7 +4,6 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import Protocol
 
-from rosbase.clock import Clock
 from rosbase.launcher.description import Condition
 from rosbase.runtime.signal_masks import background_thread
 
@@ -17,13 +16,13 @@ _ASKED = ("lifecycle active", "handshake")
 class Readiness(Protocol):
     """Tells whether a running program meets a condition."""
 
-    def meets(self, pid: int, condition: Condition) -> bool:
+    def meets(self, key: str, condition: Condition) -> bool:
         """Return whether a program meets `lifecycle active` or `handshake` by now.
 
         Called about ten times a second on a thread of its own, which it may block for a second.
 
         Args:
-            pid: Process id of its shell; the program itself may be a descendant.
+            key: Key of the program.
             condition: The condition.
         """
         ...
@@ -32,25 +31,15 @@ class Readiness(Protocol):
 class ReadinessWatch:
     """Asks again and again about the conditions that somebody waits for."""
 
-    def __init__(
-        self,
-        readiness: Readiness,
-        pid_of: Callable[[str], int | None],
-        on_ready: Callable[[str, Condition], object],
-        clock: Clock,
-    ) -> None:
+    def __init__(self, readiness: Readiness, on_ready: Callable[[str, Condition], object]) -> None:
         """Prepare the thread.
 
         Args:
             readiness: Answers the questions.
-            pid_of: Returns the process id of a program that runs.
             on_ready: Called on this thread when a program meets a condition.
-            clock: The clock.
         """
         self._readiness = readiness
-        self._pid_of = pid_of
         self._on_ready = on_ready
-        self._clock = clock
         self._wanted: frozenset[tuple[str, Condition]] = frozenset()
         self._changed = threading.Condition()
         self._is_closed = False
@@ -85,6 +74,5 @@ class ReadinessWatch:
                     return
                 wanted = self._wanted
             for key, condition in wanted:
-                pid = self._pid_of(key)
-                if pid is not None and self._readiness.meets(pid, condition):
+                if self._readiness.meets(key, condition):
                     self._on_ready(key, condition)

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.launcher.crew import Crew, Show
-from rosbase.launcher.description import Program
+from rosbase.launcher.description import Condition, Program
 from rosbase.launcher.fleet import Entry, Fleet
 from rosbase.launcher.readiness import Readiness, ReadinessWatch
 from rosbase.launcher.stop_signals import stop_wishes
@@ -67,7 +67,7 @@ class Run:
         """The programs and their states, for the main thread only."""
         self._crew.fleet = self.fleet
         self._programs = programs
-        self._watch = ReadinessWatch(readiness, self._crew.pid_of, self._is_ready, self.clock)
+        self._watch = ReadinessWatch(readiness, self._is_ready)
         self._finds: list[Callable[[], object]] = []
 
     def pid_of(self, key: str) -> int | None:
@@ -102,10 +102,8 @@ class Run:
         if number > 1:
             self.executor.call_soon(self._crew.hurry)
 
-    def _is_ready(self, key: str, condition: object) -> None:
-        self.executor.call_soon(
-            lambda: self.fleet.met(key, condition, self.clock.monotonic_ns())  # type: ignore[arg-type]
-        )
+    def _is_ready(self, key: str, condition: Condition) -> None:
+        self.executor.call_soon(lambda: self.fleet.met(key, condition, self.clock.monotonic_ns()))
 
     def _step(self) -> None:
         dues = [_LONGEST_S if self._show.period_s is None else self._show.period_s]

@@ -69,7 +69,7 @@ def _run(
             for program in programs
         },
         PaneShow(panes),
-        ControlReadiness(clock),
+        ControlReadiness(),
         clock,
     )
 
