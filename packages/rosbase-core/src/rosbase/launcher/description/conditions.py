@@ -23,9 +23,8 @@ def read_conditions(value: Value, faults: Faults) -> Iterator[tuple[str, Conditi
     """
     if isinstance(value.data, dict):
         for name, item in value.data.items():
-            condition = _condition(item, name, faults)
-            if condition is not None:
-                yield name, condition, item.line
+            # Even if the condition is wrong, because the name may be wrong too.
+            yield name, _condition(item, name, faults) or Condition(), item.line
     elif isinstance(value.data, list):
         for item in value.data:
             if isinstance(item.data, list):

@@ -17,9 +17,9 @@ def read_cpus(text: str) -> tuple[int, ...]:
     for part in text.split(","):
         match = _RANGE.fullmatch(part.strip())
         if match is None:
-            raise ValueError(text)
+            raise ValueError(f"{text!r} is no list of CPUs")
         first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
         if last < first or step < 1:
-            raise ValueError(text)
+            raise ValueError(f"{text!r} is no list of CPUs")
         found.update(range(first, last + 1, step))
     return tuple(sorted(found))

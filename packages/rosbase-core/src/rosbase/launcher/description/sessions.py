@@ -83,7 +83,7 @@ def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -
 
 def _connected(description: Description, faults: Faults) -> Description:
     """Give each program its key, and find the programs that `after` names."""
-    several = Counter(program.name for program in description.programs)
+    several = Counter(name for s in description.sessions for name in {p.name for p in s.programs})
     keyed = [
         evolve(
             session,

@@ -81,7 +81,7 @@ def _news_of(entry: Entry) -> str:
     if entry.state == "running":
         return "starting"
     if entry.state == "restarting":
-        return f"starting again {entry.detail}"
+        return f"restarting {entry.detail}"
     if entry.state == "waiting" and entry.detail:
         return f"waiting {entry.detail}"
     if entry.state == "stopped":
