@@ -169,7 +169,7 @@ def _texts(folder: Path) -> dict[str, str]:
 @nox.session(python=PYTHONS)
 def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
-    session.install(TERMINAL, *TEST_TOOLS)
+    session.install("pyyaml>=6", TERMINAL, *TEST_TOOLS)
     _install(session, *DISTRIBUTIONS)
     _test_on_each(session, "tests/integration")
 

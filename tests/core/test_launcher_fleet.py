@@ -112,7 +112,9 @@ def test_a_step_of_preparation_is_waited_for_to_its_end() -> None:
 
 
 def test_a_program_whose_condition_can_not_come_any_more_fails() -> None:
-    notes = Notes(*programs(setup={}, robot={"after": {"setup": "exit 0"}}, free={}, last={"after": "robot"}))
+    notes = Notes(
+        *programs(setup={}, robot={"after": {"setup": "exit 0"}}, free={}, last={"after": "robot"})
+    )
     notes.ended("setup", 3)
     assert notes.state("robot") == notes.state("last") == "failed"
     text = "robot ERROR cannot start: setup has ended, and it waits for setup: exit 0"

@@ -143,9 +143,7 @@ command = "exec sleep TOKEN"
 
 
 def _taskset(pid: int) -> str:
-    done = subprocess.run(
-        ["taskset", "-cp", str(pid)], check=True, capture_output=True, text=True
-    )
+    done = subprocess.run(["taskset", "-cp", str(pid)], check=True, capture_output=True, text=True)
     return done.stdout.rpartition(": ")[2].strip()
 
 

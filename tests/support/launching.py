@@ -139,4 +139,3 @@ def own_tmux(folder: Path) -> Iterator[OwnTmux]:
         yield tmux
     finally:
         tmux("kill-server")
-

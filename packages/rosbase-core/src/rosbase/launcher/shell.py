@@ -9,10 +9,20 @@ from rosbase.launcher.description import Program, Session
 
 __all__ = ["preparation", "script", "shell_path", "with_our_python"]
 
-# `conda activate` is a function that conda's hook defines; a shell of ours has none yet.
+# `conda activate` is a function that conda's hook defines; a shell of ours has none yet. The places
+# are the ones that its installers propose.
 _CONDA = """\
 if ! type conda 2>/dev/null | grep -q function; then
-  eval "$("${CONDA_EXE:-conda}" shell.posix hook)" || exit 1
+  for rosbase_conda in "${CONDA_EXE:-}" "$(command -v conda)" ~/miniconda3/bin/conda \
+      ~/miniforge3/bin/conda ~/anaconda3/bin/conda ~/mambaforge/bin/conda /opt/conda/bin/conda
+  do
+    [ -x "$rosbase_conda" ] && break
+  done
+  if [ ! -x "$rosbase_conda" ]; then
+    echo "conda is not on PATH, and not where its installers put it" >&2
+    exit 1
+  fi
+  eval "$("$rosbase_conda" shell.posix hook)" || exit 1
 fi
 conda activate %s || exit 1"""
 # A list of commands must not go on when the running one has been asked to stop.
