@@ -3,6 +3,7 @@
 import logging
 import os
 import signal
+import tempfile
 import threading
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from rosbase.control.recent_log import recent_log
 from rosbase.logger import use_console
 
 # Machines that run tests are busy; the time limit of the test run is the one that counts.
@@ -53,13 +55,23 @@ def nothing_leaks() -> Iterator[None]:
     assert not _children(), f"leaked child processes: {_children()}"
 
 
+@pytest.fixture(scope="session")
+def runtime_dir() -> Iterator[str]:
+    """A folder for the control sockets of all tests, apart from the user's programs."""
+    # Not in a folder of pytest's: the path of a socket is short.
+    with tempfile.TemporaryDirectory(prefix="rosbase-tests-") as folder:
+        yield folder
+
+
 @pytest.fixture(autouse=True)
-def own_surroundings(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def own_surroundings(monkeypatch: pytest.MonkeyPatch, runtime_dir: str) -> Iterator[None]:
     """Keeps the user's environment and the last test's logging out of a test."""
     # PYTHONUNBUFFERED too: a new user has it not set, and output behaves differently with it.
     for name in [n for n in os.environ if n.startswith(("ROSBASE_", "RCUTILS_")) or n in _STRANGE]:
         monkeypatch.delenv(name)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", runtime_dir)
     use_console(None)
+    recent_log.stop()
     logger = logging.getLogger("rosbase")
     before = logger.handlers[:], logger.level, logger.propagate
     yield

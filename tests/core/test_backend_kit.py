@@ -23,6 +23,7 @@ EVERYTHING = BackendCapabilities(
     takes_a_clock=True,
     has_log_handler=True,
     has_services=True,
+    has_taps=True,
 )
 
 

@@ -48,11 +48,11 @@ def complaint(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
         (["demo", "--rate", "nan"], "'nan' is not a positive number"),
         (["demo", "--rate", "1e-308"], "'1e-308' is not from 0.01 to 100000"),
         (["demo", "--transport", "mqtt"], "pip install imu-mqtt"),
-        (["fly"], "no command 'fly'; installed: demo, doctor, imu, plugins"),
+        (["fly"], "no command 'fly'; installed: completion, demo, doctor, imu, "),
         (["doctr"], "did you mean 'doctor'?"),
         (["doctor", "-p", "comm_t:=mqtt"], "pip install imu-mqtt"),
         (["doctor", "-p", "frameid:=x"], "unknown parameter 'frameid'"),
-        ([], "give a command: demo, doctor, imu, plugins"),
+        ([], "give a command: completion, demo, doctor, imu, "),
     ],
 )
 def test_what_a_user_can_mend_is_one_line_and_status_2(

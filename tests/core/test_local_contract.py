@@ -11,6 +11,7 @@ class TestLocalBackend(BackendContract):
         several_per_process=True,
         takes_a_clock=True,
         has_services=True,
+        has_taps=True,
     )
 
     def make_backend(self, options: BackendOptions) -> Backend:

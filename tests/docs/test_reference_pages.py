@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rosbase.cli.operate.words import GROUPS, HELP, PROGRAM, Command, all_options
 from rosbase.plugins import installed_plugins
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +30,7 @@ def test_every_command_has_its_section_and_no_other_has_one() -> None:
     assert set(re.findall(r"^## rosbase (\S+)$", COMMANDS, re.M)) == set(OURS)
 
 
-@pytest.mark.parametrize("name", sorted(OURS))
+@pytest.mark.parametrize("name", sorted(OURS.keys() - GROUPS.keys()))
 def test_every_option_of_a_command_stands_in_its_table_and_no_other_does(name: str) -> None:
     parser = argparse.ArgumentParser(add_help=False)
     OURS[name].configure(parser)
@@ -39,6 +40,27 @@ def test_every_option_of_a_command_stands_in_its_table_and_no_other_does(name: s
     section = COMMANDS.split(f"\n## rosbase {name}\n")[1].split("\n## ")[0]
     documented = {cell.split()[0] for cell in named_in_tables(section) if cell.startswith("-")}
     assert documented == options
+
+
+@pytest.mark.parametrize("name", sorted(GROUPS))
+def test_every_command_for_running_programs_stands_in_its_tables_with_its_options(
+    name: str,
+) -> None:
+    entry = GROUPS[name]
+    commands = {"": entry} if isinstance(entry, Command) else entry.commands
+    section = COMMANDS.split(f"\n## rosbase {name}\n")[1].split("\n## ")[0]
+    cells = named_in_tables(section.replace("\\|", "|"))
+    for word, command in commands.items():
+        arguments = " ".join(argument.shown for argument in command.arguments)
+        assert " ".join(f"rosbase {name} {word} {arguments}".split()) in cells
+    flags = {
+        flag
+        for command in commands.values()
+        for option in all_options(command)
+        if option not in (HELP, PROGRAM)
+        for flag in option.flags
+    }
+    assert {cell.split()[0] for cell in cells if cell.startswith("-")} == flags
 
 
 def test_every_check_of_ours_stands_in_the_table_of_the_doctor() -> None:

@@ -15,7 +15,7 @@ from rosbase_ros2 import services
 from rosbase_ros2.backend import Ros2Backend
 
 CAPABILITIES = BackendCapabilities(
-    several_per_process=True, has_log_handler=True, has_services=True
+    several_per_process=True, has_log_handler=True, has_services=True, has_taps=True
 )
 
 

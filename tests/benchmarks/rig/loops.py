@@ -81,6 +81,11 @@ def measure(command: Sequence[str], rate_hz: int) -> Turn:
     out = subprocess.run(
         [*command, *map(str, numbers)], capture_output=True, text=True, check=True
     ).stdout
+    return read_turn(out, rate_hz)
+
+
+def read_turn(out: str, rate_hz: int) -> Turn:
+    """What a loop has printed."""
     # By far the longest line: HORUS writes some of its own.
     cpu_ns, *starts = map(int, max(out.splitlines(), key=len).split())
     period_ns = 1_000_000_000 // rate_hz

@@ -1,7 +1,8 @@
 """A framework for robot applications: four roles and a managed lifecycle, with or without ROS.
 
 Programs and plugins import from here, and from `rosbase.messages`, `rosbase.wire`, `rosbase.fsm`,
-`rosbase.lifecycle` and `rosbase.testing`. The modules that define the names may change.
+`rosbase.lifecycle`, `rosbase.control` and `rosbase.testing`. The modules that define the names may
+change.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
         Finding,
         Outcome,
     )
+    from rosbase.contracts.graph import Graph, ServiceEnd, TopicEnd, type_name_of
+    from rosbase.contracts.message_format import MessageFormat
     from rosbase.contracts.names import (
         check_node_name,
         resolve_topic,
@@ -60,6 +63,7 @@ if TYPE_CHECKING:
     from rosbase.contracts.stamper import (
         Stamper,
     )
+    from rosbase.contracts.tap import Tap
     from rosbase.contracts.transport import (
         OnFrame,
         PluggableDevice,
@@ -266,6 +270,7 @@ __all__ = [
     "FrameEvent",
     "Framer",
     "GivenParameterError",
+    "Graph",
     "HandshakeTimeoutError",
     "HistoryPolicy",
     "ImuMapping",
@@ -280,6 +285,7 @@ __all__ = [
     "LogOptions",
     "ManagedNode",
     "MappingError",
+    "MessageFormat",
     "NodeConnection",
     "NotADeviceError",
     "NotInstalledError",
@@ -317,6 +323,7 @@ __all__ = [
     "ServiceCallback",
     "ServiceClient",
     "ServiceDepthError",
+    "ServiceEnd",
     "ServiceError",
     "ServiceFailedError",
     "ServiceFuture",
@@ -332,8 +339,10 @@ __all__ = [
     "Subscription",
     "SystemClock",
     "Tally",
+    "Tap",
     "TimeMapping",
     "Timer",
+    "TopicEnd",
     "TransitionEvent",
     "TransitionNotAvailableError",
     "Transport",
@@ -373,6 +382,7 @@ __all__ = [
     "shutdown_multiprocess_nodes",
     "take_arguments",
     "timer_period_ns",
+    "type_name_of",
 ]
 
 _HOMES = {
@@ -413,6 +423,7 @@ _HOMES = {
     "FrameEvent": "rosbase.framing",
     "Framer": "rosbase.framing",
     "GivenParameterError": "rosbase.errors",
+    "Graph": "rosbase.contracts.graph",
     "HandshakeTimeoutError": "rosbase.errors",
     "HistoryPolicy": "rosbase.qos",
     "ImuMapping": "rosbase.imu.mapping",
@@ -427,11 +438,11 @@ _HOMES = {
     "LogOptions": "rosbase.logger",
     "ManagedNode": "rosbase.lifecycle",
     "MappingError": "rosbase.errors",
+    "MessageFormat": "rosbase.contracts.message_format",
     "NodeConnection": "rosbase.contracts.node_connection",
     "NotADeviceError": "rosbase.errors",
     "NotInstalledError": "rosbase.errors",
     "OnFrame": "rosbase.contracts.transport",
-    "PostSetParameters": "rosbase.contracts.parameter_store",
     "OnSetParameters": "rosbase.contracts.parameter_store",
     "OpenDevice": "rosbase.device",
     "Outcome": "rosbase.contracts.checks",
@@ -443,8 +454,10 @@ _HOMES = {
     "ParameterStore": "rosbase.contracts.parameter_store",
     "ParameterValue": "rosbase.parameters",
     "PayloadMapping": "rosbase.mapping",
+    "PluggableDevice": "rosbase.contracts.transport",
     "PluginError": "rosbase.errors",
     "PluginRegistry": "rosbase.plugins",
+    "PostSetParameters": "rosbase.contracts.parameter_store",
     "PresetPlugin": "rosbase.plugins",
     "Publisher": "rosbase.contracts.node_connection",
     "QoSProfile": "rosbase.qos",
@@ -463,6 +476,7 @@ _HOMES = {
     "ServiceCallback": "rosbase.contracts.services",
     "ServiceClient": "rosbase.contracts.service_client",
     "ServiceDepthError": "rosbase.errors",
+    "ServiceEnd": "rosbase.contracts.graph",
     "ServiceError": "rosbase.errors",
     "ServiceFailedError": "rosbase.errors",
     "ServiceFuture": "rosbase.contracts.services",
@@ -472,25 +486,26 @@ _HOMES = {
     "ServiceTimeoutError": "rosbase.errors",
     "ServiceType": "rosbase.contracts.services",
     "SetParametersResult": "rosbase.parameters",
-    "PluggableDevice": "rosbase.contracts.transport",
     "SimulatedDevice": "rosbase.contracts.transport",
     "Stamper": "rosbase.contracts.stamper",
     "State": "rosbase.lifecycle",
     "Subscription": "rosbase.contracts.node_connection",
     "SystemClock": "rosbase.clock",
     "Tally": "rosbase.contracts.transport",
+    "Tap": "rosbase.contracts.tap",
     "TimeMapping": "rosbase.mapping",
     "Timer": "rosbase.contracts.node_connection",
+    "TopicEnd": "rosbase.contracts.graph",
     "TransitionEvent": "rosbase.lifecycle",
     "TransitionNotAvailableError": "rosbase.errors",
     "Transport": "rosbase.contracts.transport",
     "TransportContext": "rosbase.contracts.transport",
     "TransportError": "rosbase.errors",
-    "WireError": "rosbase.errors",
     "TransportHealth": "rosbase.contracts.transport",
     "TransportPlugin": "rosbase.plugins",
     "TransportState": "rosbase.contracts.transport",
     "WakePipe": "rosbase.runtime.wake_pipe",
+    "WireError": "rosbase.errors",
     "Written": "rosbase.parameters",
     "WrittenText": "rosbase.parameters",
     "as_profile": "rosbase.qos",
@@ -520,14 +535,15 @@ _HOMES = {
     "shutdown_multiprocess_nodes": "rosbase.processes",
     "take_arguments": "rosbase.program",
     "timer_period_ns": "rosbase.contracts.backend",
+    "type_name_of": "rosbase.contracts.graph",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.
-_PUBLIC_MODULES = {"fsm", "lifecycle", "messages", "testing"}
+_PUBLIC_MODULES = {"control", "fsm", "lifecycle", "messages", "testing"}
 
 
 def __getattr__(name: str) -> Any:
     """Import each name on first use, so that the command line starts at once."""
-    from importlib import import_module  # noqa: PLC0415 - as said
+    from importlib import import_module
 
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("rosbase-core")

@@ -125,6 +125,7 @@ class Ros2Backend(RosNode, Backend):
             publishers = [publisher for node in nodes for publisher in node.stop_sending()]
             if process.context.ok():
                 await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
+            process.taps.close()
             for node in nodes:
                 node.stop_receiving()
 

@@ -9,7 +9,9 @@ from rclpy.qos import QoSProfile
 from rosbase import (
     BackendError,
     Client,
+    Graph,
     ManagedNode,
+    MessageFormat,
     NodeConnection,
     OnSetParameters,
     Parameter,
@@ -22,6 +24,7 @@ from rosbase import (
     ServiceType,
     SetParametersResult,
     Subscription,
+    Tap,
     Timer,
     make_logger,
     name_undeclared,
@@ -33,7 +36,9 @@ from rosbase_ros2.clock import RosClock
 from rosbase_ros2.courier import courier_of
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import Retirement
+from rosbase_ros2.formats import find_ros_type, ros_format
 from rosbase_ros2.given import given_parameters, own_first
+from rosbase_ros2.graph import ros_graph
 from rosbase_ros2.kinds import name_of
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
@@ -84,6 +89,7 @@ class RosNode(NodeConnection):
         """
         self._process = process
         process.nodes.append(node)
+        node.publisher_listener = process.taps.welcome
         self.node = node
         """Node of rclpy, for everything else that a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
@@ -151,6 +157,7 @@ class RosNode(NodeConnection):
         inner = self._create("publisher", courier.ros_type, topic, profile)
         publisher = RosPublisher(inner, courier, self._refusals)
         self._publishers.append(publisher)
+        self._process.taps.add_publisher(publisher)
         return publisher
 
     def create_subscription(
@@ -173,12 +180,14 @@ class RosNode(NodeConnection):
         )
         subscription.attach(inner)
         self._subscriptions.append(subscription)
+        self._process.taps.add_subscription(subscription)
         return subscription
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher; ROS sees it until its last messages have arrived."""
         if isinstance(publisher, RosPublisher) and publisher in self._publishers:
             self._publishers.remove(publisher)
+            self._process.taps.remove_publisher(publisher)
             publisher.close()
             self._spinner.call(lambda: self._retirement.take(publisher.inner))
 
@@ -186,6 +195,7 @@ class RosNode(NodeConnection):
         """Destroy a subscription."""
         if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
+            self._process.taps.remove_subscription(subscription)
             subscription.close()
             self._spinner.call(lambda: self.node.destroy_subscription(subscription.inner))
 
@@ -285,6 +295,27 @@ class RosNode(NodeConnection):
             return publisher.prepared_sender(template, varying)
         return super().prepared_sender(publisher, template, varying)
 
+    def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
+        """Hear what all nodes of the backend publish on a topic, as bytes or as a ROS message."""
+        self._process.check_open()
+        resolve_topic(topic, self.node_name)
+        return self._process.taps.open(self.node.resolve_topic_name(topic), on_message)
+
+    def graph(self) -> Graph:
+        """Return the ends of all nodes of the backend, as rclpy sees them."""
+        return ros_graph(self._process.nodes, self._process.taps)
+
+    def message_format(self, msg_type: Any) -> MessageFormat:
+        """Return how the messages of a class of rosbase or ROS look outside this process."""
+        return ros_format(msg_type, self._process.conversions)
+
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of rosbase or ROS for a message or a service."""
+        try:
+            return super().find_type(type_name)
+        except TypeError:
+            return find_ros_type(type_name)
+
     def has_parameter(self, name: str) -> bool:
         """Return whether the node has declared a parameter, or takes one for every node."""
         return name in self._parameters.general_names or bool(self.node.has_parameter(name))
@@ -294,6 +325,7 @@ class RosNode(NodeConnection):
     def stop_sending(self) -> list[Any]:
         """Send nothing more; return the publishers of rclpy."""
         for publisher in self._publishers:
+            self._process.taps.remove_publisher(publisher)
             publisher.close()
         self._publishers.clear()
         return list(self.node.publishers)

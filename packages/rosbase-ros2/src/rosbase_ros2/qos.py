@@ -5,9 +5,10 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+import rosbase
 from rosbase import as_profile
 
-__all__ = ["queue_depth", "to_profile"]
+__all__ = ["from_profile", "queue_depth", "to_profile"]
 
 
 def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
@@ -26,6 +27,19 @@ def to_profile(qos_profile: Any, topic: str) -> QoSProfile:
         reliability=ReliabilityPolicy[profile.reliability.name],
         durability=DurabilityPolicy[profile.durability.name],
     )
+
+
+def from_profile(profile: QoSProfile) -> rosbase.QoSProfile | None:
+    """Return a profile of rclpy as one of rosbase; None if rosbase has no such policies."""
+    try:
+        return rosbase.QoSProfile(
+            max(1, profile.depth),
+            history=rosbase.HistoryPolicy[profile.history.name],
+            reliability=rosbase.ReliabilityPolicy[profile.reliability.name],
+            durability=rosbase.DurabilityPolicy[profile.durability.name],
+        )
+    except KeyError:
+        return None
 
 
 def queue_depth(profile: QoSProfile) -> int:

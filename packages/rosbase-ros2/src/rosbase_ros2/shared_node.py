@@ -98,6 +98,7 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
     """Executor of the program's side, once there is one."""
     _node_logger: NodeLogger | None = None
     _own_group: CallbackGroup | None = None
+    publisher_listener: Callable[[Any], object] | None = None
 
     def __init__(self, name: str, **options: Any) -> None:
         """Create the node. It publishes no `/rosout`; for that there are `log_listeners`.
@@ -112,6 +113,8 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         """Everything that the program has created."""
         self.log_listeners: list[LogListener] = []
         """Called with each record of the node's logger."""
+        self.publisher_listener = None
+        """Called with each publisher of rclpy that is created from now on."""
         self._own_group = OwnGroup()
         super().__init__(name, enable_rosout=False, **options)
         self._own_group = None
@@ -154,9 +157,12 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         # A copy: the program may use its object for several topics.
         events = copy.copy(event_callbacks) or PublisherEventCallbacks()
         warn_of_subscriptions(events, topic, self.get_logger)
-        return super().create_publisher(
+        publisher = super().create_publisher(
             msg_type, topic, qos_profile, event_callbacks=events, **options
         )
+        if self.publisher_listener is not None:
+            self.publisher_listener(publisher)
+        return publisher
 
     def create_subscription(
         self,

@@ -82,6 +82,26 @@ class RosPublisher:
 
         return send_values
 
+    @property
+    def msg_type(self) -> type:
+        """Class of its messages."""
+        return self._msg_type
+
+    @property
+    def subscription_count(self) -> int:
+        """Number of subscriptions that have found it."""
+        try:
+            count: int = self.inner.get_subscription_count()
+        except InvalidHandle:
+            # It has been destroyed.
+            return 0
+        return count
+
+    def refresh(self) -> None:
+        """Look again what `publish` of the rclpy publisher is; `taps` replaces it."""
+        if self._send is not None:
+            self._send = self.inner.publish
+
     def close(self) -> None:
         """Stop sending."""
         self._send = None
@@ -90,7 +110,7 @@ class RosPublisher:
 class RosSubscription(QueuedSubscription):
     """Last messages of a topic, converted when they are handled."""
 
-    __slots__ = ("_decode", "_handle", "_logger", "inner")
+    __slots__ = ("_decode", "_handle", "_logger", "inner", "msg_type")
 
     def __init__(
         self,
@@ -102,6 +122,8 @@ class RosSubscription(QueuedSubscription):
     ) -> None:
         super().__init__("", self._take, depth, schedule)
         self._decode, self._handle = courier.decode, callback
+        self.msg_type = courier.msg_type
+        """Class of its messages."""
         self._logger = logger
         self.inner: Any = None
         """Subscription of rclpy."""

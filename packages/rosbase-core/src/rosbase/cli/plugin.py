@@ -35,6 +35,24 @@ def _command(name: str, summary: str, module: str) -> CommandPlugin:
     )
 
 
+def _quick_commands() -> Iterable[CommandPlugin]:
+    """Return the commands for running programs, which `rosbase.cli.main` runs without plugins.
+
+    They are among the others for `rosbase --help`, and so that no plugin takes their names.
+    """
+    from rosbase.cli.operate.words import GROUPS
+
+    def configure(parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("words", nargs=argparse.REMAINDER)
+
+    def run(arguments: Any) -> int:
+        from rosbase.cli.operate import run as run_quickly
+
+        return run_quickly([arguments.command, *arguments.words])
+
+    return [CommandPlugin(name, entry.summary, configure, run) for name, entry in GROUPS.items()]
+
+
 def _check_python(context: CheckContext) -> Iterable[Finding]:
     from rosbase.cli.core_checks import check_python
 
@@ -56,7 +74,7 @@ def _check_plugins(context: CheckContext) -> Iterable[Finding]:
 @hookimpl
 def rosbase_commands() -> Iterable[CommandPlugin]:
     """Return the commands of the core."""
-    return [_command(*command) for command in _COMMANDS]
+    return [*(_command(*command) for command in _COMMANDS), *_quick_commands()]
 
 
 @hookimpl

@@ -7,15 +7,20 @@ A backend is the connection of its manager's own node, or of a standalone node.
 import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.contracts.tap import Tap
 from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
+
+if TYPE_CHECKING:
+    from rosbase.contracts.graph import Graph
+    from rosbase.contracts.message_format import MessageFormat
 
 __all__ = ["NodeConnection", "Publisher", "Sender", "Subscription", "Timer"]
 
@@ -280,6 +285,55 @@ class NodeConnection(ABC):
         Called once for each node, when it is built and unconfigured. A backend that can
         show only one shows the first, and logs a warning for each of the others.
         """
+
+    def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
+        """Hear every message of a topic in this process, until the tap is closed.
+
+        `on_message(message)` is called for each message that this backend publishes on the topic,
+        by prepared senders too, on the thread that publishes; and for each that arrives from
+        outside this process for a subscription of this backend, once, however many subscriptions
+        there are. The message is an object of the topic's class, or its CDR as bytes if the backend
+        has these anyway. An object that can be changed may change after the call. The function must
+        be quick, and must not publish. If it raises, the tap ends, and the log says so once; the
+        message reaches everybody else.
+
+        A tap hears messages from now on, also of publishers that come later, and none that was
+        kept. A publisher without a tap has no cost. Call it from any thread.
+
+        Raises:
+            BackendError: The name is invalid, or the backend is closed or has no taps.
+        """
+        raise BackendError(f"{topic}: this backend has no taps")
+
+    def graph(self) -> "Graph":
+        """Return the publishers, subscriptions, services and clients of all nodes of the backend.
+
+        Call it from any thread. An end that is created or destroyed meanwhile may be left out.
+
+        Raises:
+            BackendError: The backend does not know.
+        """
+        raise BackendError("this backend has no graph")
+
+    def message_format(self, msg_type: Any) -> "MessageFormat":
+        """Return how the messages of a class look outside this process.
+
+        Raises:
+            TypeError: They have no schema.
+        """
+        from rosbase.contracts.message_format import message_format
+
+        return message_format(msg_type)
+
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of a message or a service by its ROS name.
+
+        Raises:
+            TypeError: There is none.
+        """
+        from rosbase.contracts.message_format import find_type
+
+        return find_type(type_name)
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]

@@ -1,7 +1,7 @@
 """A node that shares the connection of its manager."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from attrs import evolve
 
@@ -15,9 +15,14 @@ from rosbase.contracts.node_connection import (
 )
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.contracts.tap import Tap
 from rosbase.lifecycle import ManagedNode
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
+
+if TYPE_CHECKING:
+    from rosbase.contracts.graph import Graph
+    from rosbase.contracts.message_format import MessageFormat
 
 __all__ = ["NodeView"]
 
@@ -165,6 +170,22 @@ class NodeView(NodeConnection):
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Let other programs see the lifecycle, as far as the backend can."""
         self._shared.expose_lifecycle(node)
+
+    def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
+        """Hear every message of a topic in this process."""
+        return self._shared.add_tap(self._own(topic), on_message)
+
+    def graph(self) -> "Graph":
+        """Return the ends of all nodes of the shared connection."""
+        return self._shared.graph()
+
+    def message_format(self, msg_type: Any) -> "MessageFormat":
+        """Return how the messages of a class look outside this process."""
+        return self._shared.message_format(msg_type)
+
+    def find_type(self, type_name: str) -> Any:
+        """Return the class of a message or a service by its ROS name."""
+        return self._shared.find_type(type_name)
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]

@@ -92,7 +92,7 @@ class Connection:
         if not data:
             raise self._ended()
         self._reader.feed(data)
-        while (frame := self._reader.next()) is not None:
+        while (frame := self._next()) is not None:
             if self.greeting is None:
                 self._greet(frame[0])
             else:
@@ -126,6 +126,12 @@ class Connection:
         poll = select.poll()
         poll.register(self, select.POLLIN)
         return bool(poll.poll(limit.left_ms))
+
+    def _next(self) -> tuple[dict[str, Any], bytes] | None:
+        try:
+            return self._reader.next()
+        except ControlError as error:
+            raise ControlError(f"process {self.pid} sends {error}", "failed") from error
 
     def _greet(self, frame: dict[str, Any]) -> None:
         if frame.get("error") is not None:

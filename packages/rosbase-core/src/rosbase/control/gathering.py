@@ -13,16 +13,16 @@ from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from typing import Any
 
     Ask = tuple[str, dict[str, Any]]
 
-__all__ = ["Replies", "ask_one", "connect_to", "gather"]
+__all__ = ["Replies", "ask_one", "connect_to", "gather", "name_on_stderr"]
 
 
 class Replies:
-    """What one process has answered."""
+    """Answers of one process."""
 
     __slots__ = ("answers", "missing", "path", "pid")
 
@@ -34,13 +34,24 @@ class Replies:
         self.missing = number
 
 
+def name_on_stderr(reason: str) -> None:
+    """Say that a program is left out, so that nobody takes the rest for everything."""
+    print(f"rosbase: {reason}", file=sys.stderr)
+
+
 def gather(
-    asks: Sequence[Ask], timeout_s: float = 1.0, pids: Iterable[int] | None = None
+    asks: Sequence[Ask],
+    timeout_s: float = 1.0,
+    pids: Iterable[int] | None = None,
+    on_silent: Callable[[str], object] | None = name_on_stderr,
 ) -> list[Replies]:
     """Ask each program the same questions; return the replies of those that answer, by pid.
 
-    All of them together have `timeout_s`. A program that does not answer is named on stderr, so
-    that nobody takes the rest for everything.
+    Args:
+        asks: The questions, with their arguments.
+        timeout_s: How long all of them together may take.
+        pids: Ask only these.
+        on_silent: Called for each program that does not answer, with a line that names it.
     """
     limit = TimeLimit(timeout_s)
     wanted = None if pids is None else set(pids)
@@ -67,8 +78,9 @@ def gather(
         for connection, _ in pending.values():
             connection.close()
     silent += [(c.pid, f"process {c.pid} does not answer") for c, _ in pending.values()]
-    for _, reason in sorted(silent):
-        print(f"rosbase: {reason}", file=sys.stderr)
+    if on_silent is not None:
+        for _, reason in sorted(silent):
+            on_silent(reason)
     return sorted(done, key=lambda replies: (replies.pid, replies.path))
 
 

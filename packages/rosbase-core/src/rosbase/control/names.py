@@ -8,7 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["absolute", "ambiguous", "one_of", "similar", "unknown"]
+__all__ = ["absolute", "ambiguous", "full_type", "is_hidden", "one_of", "similar", "unknown"]
 
 
 def absolute(name: str) -> str:
@@ -16,10 +16,21 @@ def absolute(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
+def full_type(name: str, kind: str = "msg") -> str:
+    """Return the type with the part that people leave out: `std_msgs/msg/String`."""
+    package, _, rest = name.partition("/")
+    return name if "/" in rest or not rest else f"{package}/{kind}/{rest}"
+
+
+def is_hidden(name: str) -> bool:
+    """Return whether a name is hidden, as in ROS: a part of it begins with an underscore."""
+    return "/_" in name
+
+
 def similar(name: str, known: Iterable[str]) -> list[str]:
     """Return up to three known names that may have been meant."""
     # Only after a mistake.
-    from difflib import get_close_matches  # noqa: PLC0415 - as said
+    from difflib import get_close_matches
 
     names = sorted(set(known))
     last = name.rpartition("/")[2]

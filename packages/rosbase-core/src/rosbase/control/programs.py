@@ -15,6 +15,7 @@ from attrs import frozen
 
 from rosbase.contracts.backend import Backend
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.control.recent_log import recent_log
 from rosbase.errors import ConfigurationError, ControlError
 from rosbase.lifecycle import ManagedNode
 from rosbase.logger import RosbaseLogger
@@ -29,6 +30,7 @@ __all__ = [
     "Program",
     "RunningNode",
     "is_control_on",
+    "keep_log",
     "may_be_offered",
     "offered",
     "running_programs",
@@ -71,6 +73,8 @@ class Program:
     """Its connection; None for a launcher."""
     loop_stats: LoopStats | None = None
     """Statistics of its main loop, if it has one."""
+    logger: RosbaseLogger | None = None
+    """Its log; set by `offered`."""
     started_ns = 0
     """Start of its run on the machine's monotonic clock; set by `offered`."""
 
@@ -119,11 +123,23 @@ def is_control_on() -> bool:
     text = os.environ.get(CONTROL_VARIABLE, "")
     if text.lower() not in _SWITCH:
         raise ConfigurationError(f"{CONTROL_VARIABLE} is on or off, not {text!r}")
-    return _SWITCH[text.lower()]
+    return _SWITCH[text.lower()] and hasattr(socket, "AF_UNIX")
+
+
+def keep_log() -> None:
+    """Keep the records of this process from now on, for clients that come later.
+
+    Raises:
+        ConfigurationError: The environment says neither on nor off.
+    """
+    if is_control_on():
+        recent_log.start()
 
 
 def may_be_offered(backend: Backend, *, wanted: bool) -> bool:
-    """Return whether clients may see a program. Those in virtual time are a test's own.
+    """Return whether clients may see a program, and keep the log from now on if they may.
+
+    Programs in virtual time are a test's own.
 
     Args:
         backend: Its connection.
@@ -132,8 +148,10 @@ def may_be_offered(backend: Backend, *, wanted: bool) -> bool:
     Raises:
         ConfigurationError: The environment says neither on nor off.
     """
-    is_on = is_control_on()
-    return is_on and wanted and not backend.is_in_virtual_time and hasattr(socket, "AF_UNIX")
+    is_on = is_control_on() and wanted and not backend.is_in_virtual_time
+    if is_on:
+        recent_log.start()
+    return is_on
 
 
 @contextmanager
@@ -159,7 +177,7 @@ def _begin(program: Program, logger: RosbaseLogger) -> None:
     # Only now: a program without a socket needs none of it.
     from rosbase.control.server import CLOCK, ControlServer
 
-    program.started_ns = CLOCK.monotonic_ns()
+    program.started_ns, program.logger = CLOCK.monotonic_ns(), logger
     with _lock:
         _programs = (*_programs, program)
         if _server is not None:
@@ -176,10 +194,12 @@ def _end(program: Program) -> None:
     global _programs, _server  # noqa: PLW0603 - they concern the process
     with _lock:
         _programs = tuple(one for one in _programs if one is not program)
-        if _programs or _server is None:
+        if _programs:
             return
         server, _server = _server, None
-        server.close()
+        if server is not None:
+            server.close()
+        recent_log.stop()
 
 
 def _forget_in_child() -> None:
@@ -188,6 +208,7 @@ def _forget_in_child() -> None:
     # Another thread of the parent may have held it.
     _lock = threading.Lock()
     server, _server, _programs = _server, None, ()
+    recent_log.stop()
     if server is not None:
         server.forget()
 

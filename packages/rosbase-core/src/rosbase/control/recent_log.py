@@ -30,11 +30,15 @@ class RecentLog:
         self.count = 0
         """Number of records so far, which is also the serial number of the last one."""
         self._followers: tuple[Callable[[], object], ...] = ()
+        self._is_hearing = False
         # A signal handler may log while its thread does.
         self._lock = threading.RLock()
 
     def start(self) -> None:
-        """Hear the loggers of this process."""
+        """Hear the loggers of this process from now on. Idempotent."""
+        if self._is_hearing:
+            return
+        self._is_hearing = True
         # In a forked child, a thread that is gone may hold the one from before.
         self._lock, self._followers = threading.RLock(), ()
         observe(self._hear)
@@ -42,6 +46,7 @@ class RecentLog:
     def stop(self) -> None:
         """Hear them no more, and forget what was heard."""
         observe(None)
+        self._is_hearing = False
         self.lines.clear()
         self._followers = ()
 

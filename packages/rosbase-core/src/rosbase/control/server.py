@@ -13,8 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosbase.clock import SystemClock
-from rosbase.control.recent_log import recent_log
 from rosbase.control.socket_file import SocketFile, remove_strays
+from rosbase.control.unheard import Unheard
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.signal_masks import background_thread
 from rosbase.runtime.wake_pipe import WakePipe
@@ -68,6 +68,7 @@ class ControlServer:
         self._has_knocked = False
         self._is_ending = False
         self._paused_until_ns: int | None = None
+        self._unheard = Unheard(CLOCK.monotonic_ns)
         self.now_ns = CLOCK.monotonic_ns
         """Time on the machine's monotonic clock."""
 
@@ -85,12 +86,10 @@ class ControlServer:
             self._file.remove()
             self._release()
             raise
-        recent_log.start()
 
     def close(self) -> None:
         """End the thread and remove the socket; connections are closed."""
         self._file.remove()
-        recent_log.stop()
         self._is_ending = True
         self._pipe.wake()
         self._thread.join(_END_S)
@@ -99,7 +98,6 @@ class ControlServer:
 
     def forget(self) -> None:
         """Close the descriptors in a forked child, whose parent goes on serving."""
-        recent_log.stop()
         self._file.listener.close()
         if self._clients is not None:
             self._clients.forget()
@@ -171,12 +169,18 @@ class ControlServer:
         if self._paused_until_ns is not None and now_ns >= self._paused_until_ns:
             self._paused_until_ns = None
             self.selector.register(self._file.listener, selectors.EVENT_READ)
+        if self._unheard.due_ns is not None and now_ns >= self._unheard.due_ns:
+            self.guard(self._unheard.look, "the look for topics that are not heard")
         if self._clients is not None:
             self._clients.look_after(now_ns)
 
     def _patience_s(self) -> float | None:
         """Return how long to sleep; None for ever."""
-        dues = [self._paused_until_ns, self._clients.due_ns if self._clients is not None else None]
+        dues = [
+            self._paused_until_ns,
+            self._unheard.due_ns,
+            self._clients.due_ns if self._clients is not None else None,
+        ]
         first_ns = min((due_ns for due_ns in dues if due_ns is not None), default=None)
         return None if first_ns is None else max(0, first_ns - self.now_ns()) / _NS_PER_S
 

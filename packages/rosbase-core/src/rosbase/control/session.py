@@ -85,6 +85,11 @@ class Session:
         else:
             self._server.call(lambda: self._finish(request, frame, data))
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether the connection has ended."""
+        return self._is_closed
+
     # For the server.
 
     @property
@@ -199,7 +204,12 @@ class Session:
         """Send what streams have, as far as the client reads; return whether there may be more."""
         has_more = False
         for number, stream in list(self._streams.items()):
-            has_more = self._pump(number, stream) or has_more
+            before = self._out_bytes
+            if self._pump(number, stream):
+                has_more = True
+                if self._out_bytes > before:
+                    # It has had its turn; the next one begins with the others.
+                    self._streams[number] = self._streams.pop(number)
         return has_more
 
     def time_out(self, now_ns: int) -> None:
@@ -316,10 +326,11 @@ class Session:
             self._clients.pump_again(self)
 
     def _pump(self, number: int, stream: Stream) -> bool:
-        # What is appended from now on wakes again.
-        stream._is_woken = False
+        # What is appended from now on wakes again; but not while nobody reads.
+        stream._is_woken = not self.has_room
         for _ in range(_MOST_EVENTS):
             if not self.has_room:
+                stream._is_woken = True
                 return True
             try:
                 event = stream.take()

@@ -82,7 +82,7 @@ class NameAndType(TypedDict):
 
 
 class NodeInfo(TypedDict):
-    """What a node has."""
+    """Topics, services and parameters of a node."""
 
     publishers: list[NameAndType]
     subscriptions: list[NameAndType]
@@ -156,7 +156,7 @@ class Count(TypedDict):
 
 
 class ParameterDescription(TypedDict, total=False):
-    """What a parameter means, and which values it takes."""
+    """Meaning of a parameter, and the values that it takes."""
 
     type: str
     description: str
@@ -193,7 +193,7 @@ class Transition(TypedDict):
 
 
 class TransitionResult(TypedDict):
-    """What became of a transition."""
+    """Result of a transition."""
 
     successful: bool
     result: str

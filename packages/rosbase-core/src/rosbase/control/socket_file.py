@@ -7,7 +7,7 @@ import stat
 from rosbase.control.folder import make_folder, socket_path
 from rosbase.errors import ControlError
 
-__all__ = ["SocketFile", "is_stale", "remove_strays"]
+__all__ = ["SocketFile", "refuses", "remove_strays"]
 
 _MODE = 0o600
 _BACKLOG = 128
@@ -29,21 +29,16 @@ class SocketFile:
         self.folder = make_folder()
         self._path = self._choose_path()
         self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        made = f"{self._path}.new"
         try:
             self.listener.settimeout(0)
             # Linux gives the file the mode of the socket, so that it has no other one first.
             os.fchmod(self.listener.fileno(), _MODE)
-            _remove(made)
-            self.listener.bind(made)
-            os.chmod(made, _MODE)
+            self.listener.bind(self._path)
+            os.chmod(self._path, _MODE)
+            self._inode = os.lstat(self._path).st_ino
             self.listener.listen(_BACKLOG)
-            self._inode = os.stat(made).st_ino
-            # Only now has it its name: whoever finds one that refuses knows that nobody listens.
-            os.rename(made, self._path)
         except BaseException:
             self.listener.close()
-            _remove(made)
             raise
 
     def remove(self) -> None:
@@ -60,18 +55,25 @@ class SocketFile:
         for number in range(_MOST_PER_PID + 1):
             path = socket_path(self.folder, pid, number)
             # One of this pid is of a process before, unless that lives in another container.
-            if not os.path.lexists(path) or is_stale(path):
+            if not os.path.lexists(path):
+                return path
+            if refuses(path):
+                try:
+                    os.unlink(path)
+                except FileNotFoundError:
+                    # Another process has found it too.
+                    pass
                 return path
         raise ControlError(f"{_MOST_PER_PID} sockets of process {pid} are in use in {self.folder}")
 
 
-def is_stale(path: str) -> bool:
-    """Return whether nobody listens at a socket."""
+def refuses(path: str) -> bool:
+    """Return whether nobody listens at a socket. That of a living process may begin to."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
         probe.settimeout(0)
         try:
             probe.connect(path)
-        except (ConnectionRefusedError, FileNotFoundError):
+        except ConnectionRefusedError:
             return True
         except OSError:
             # As if its queue were full.
@@ -84,11 +86,11 @@ def remove_strays(folder: str) -> None:
     for name in os.listdir(folder)[:_MOST_STRAYS]:
         pid, dot, ending = name.partition(".")
         number = pid.partition("-")[0]
-        if not (dot and ending in ("sock", "sock.new") and number.isdecimal()):
+        if not (dot and ending == "sock" and number.isdecimal()):
             continue
         path = f"{folder}/{name}"
-        # Those of the living are not disturbed.
-        if not _is_alive(int(number)) and is_stale(path):
+        # Those of the living are not disturbed. One that is gone may live in another container.
+        if not _is_alive(int(number)) and refuses(path):
             _remove_socket(path)
 
 
@@ -109,11 +111,4 @@ def _remove_socket(path: str) -> None:
             os.unlink(path)
     except OSError:
         # Another process has found it too.
-        pass
-
-
-def _remove(path: str) -> None:
-    try:
-        os.unlink(path)
-    except FileNotFoundError:
         pass

@@ -40,7 +40,7 @@ class Heard:
     def message(self) -> dict[str, Any]:
         """The fields of the message by name; messages within it are dicts as well."""
         # A reader of bytes alone needs none of it.
-        from rosbase.wire.plain import decoder  # noqa: PLC0415 - as said
+        from rosbase.wire.plain import decoder
 
         found: dict[str, Any] = decoder(self.type, self._schema)(self.data)
         return found

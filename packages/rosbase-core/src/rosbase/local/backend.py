@@ -1,7 +1,8 @@
 """The `local` backend: topics, services, timers and parameters within one process."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
@@ -10,6 +11,7 @@ from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, P
 from rosbase.contracts.service_callback import check_service_type, service_answer
 from rosbase.contracts.service_server import ServiceServer
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.contracts.tap import Tap
 from rosbase.errors import BackendError, ParameterError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
@@ -21,6 +23,9 @@ from rosbase.local.standard.offers import StandardOffers
 from rosbase.logger import make_logger
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
+
+if TYPE_CHECKING:
+    from rosbase.contracts.graph import Graph
 
 __all__ = ["LocalBackend"]
 
@@ -45,6 +50,11 @@ class LocalBackend(Backend):
         self._subscriptions: list[LocalSubscription] = []
         self._services: list[ServiceServer] = []
         self._clients: list[LocalClient[Any, Any]] = []
+        # Ends of lifecycle nodes, by what they are; the others are this node's.
+        self._owners: dict[Any, str] = {}
+        self._nodes = [self.node_name]
+        self._srv_types: dict[Any, Any] = {}
+        self._taps: set[Tap] = set()
         self._closed = False
         self._standard = StandardOffers(self, self._bus, self._parameters, logger)
         self._standard.offer_parameters(self.node_name, "")
@@ -83,12 +93,14 @@ class LocalBackend(Backend):
         """Destroy a publisher."""
         if publisher in self._publishers:
             self._publishers.remove(publisher)
+            self._owners.pop(publisher, None)
             self._bus.remove_publisher(publisher)
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
+            self._owners.pop(subscription, None)
             self._bus.remove_subscription(subscription)
 
     def create_service(
@@ -103,6 +115,7 @@ class LocalBackend(Backend):
         answer = service_answer(srv_type, name, callback)
         service = ServiceServer(name, answer, self.executor, self._logger)
         self._bus.services.add_provider(name, type_name(srv_type), service)
+        self._srv_types[service] = srv_type
         self._services.append(service)
         return service
 
@@ -114,6 +127,7 @@ class LocalBackend(Backend):
         name, services = self._check(srv_name, "service"), self._bus.services
         client = LocalClient(srv_type, name, self.executor, services)
         services.add_client(name, type_name(srv_type), client.changed)
+        self._srv_types[client] = srv_type
         self._clients.append(client)
         return client
 
@@ -121,6 +135,8 @@ class LocalBackend(Backend):
         """Destroy a service."""
         if service in self._services:
             self._services.remove(service)
+            self._owners.pop(service, None)
+            self._srv_types.pop(service, None)
             self._bus.services.remove_provider(service.service_name, service)
             service.close()
 
@@ -128,6 +144,8 @@ class LocalBackend(Backend):
         """Destroy a client."""
         if client in self._clients:
             self._clients.remove(client)
+            self._owners.pop(client, None)
+            self._srv_types.pop(client, None)
             self._bus.services.remove_client(client.service_name, client.changed)
             client.close()
 
@@ -166,7 +184,8 @@ class LocalBackend(Backend):
         """Open the connection of a node; a lifecycle node has standard services of its own."""
         if not is_lifecycle:
             return super().open_node(name, is_lifecycle=False)
-        node = LocalNode(self, name, self._standard)
+        node = LocalNode(self, name, self._standard, self._owners.__setitem__)
+        self._nodes.append(node.node_name)
         self._standard.offer_parameters(node.node_name, f"{name}.")
         return node
 
@@ -174,10 +193,38 @@ class LocalBackend(Backend):
         """Answer the standard services of a lifecycle node under the name of this one."""
         self._standard.offer_lifecycle(self.node_name, node)
 
+    def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
+        """Hear every message of a topic on the bus, and what comes from links."""
+        tap = Tap(self._check(topic), on_message, self._remove_tap, self._fail_tap)
+        self._taps.add(tap)
+        self._bus.add_tap(tap)
+        return tap
+
+    def graph(self) -> "Graph":
+        """Return the ends of the nodes of this backend, not those of others on the bus."""
+        from rosbase.local.graph import Ends, local_graph
+
+        ends = Ends(
+            list(self._publishers),
+            list(self._subscriptions),
+            list(self._services),
+            list(self._clients),
+        )
+        return local_graph(
+            list(self._nodes),
+            ends,
+            dict(self._owners),
+            dict(self._srv_types),
+            self._standard.nodes(),
+            self._bus,
+        )
+
     def close(self) -> None:
         """Destroy everything that was created."""
         self._closed = True
         self._standard.close()
+        for tap in list(self._taps):
+            tap.close()
         for publisher in list(self._publishers):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):
@@ -187,6 +234,18 @@ class LocalBackend(Backend):
         for client in list(self._clients):
             self.destroy_client(client)
         self.executor.close()
+
+    def _remove_tap(self, tap: Tap) -> None:
+        self._taps.discard(tap)
+        self._bus.remove_tap(tap)
+
+    def _fail_tap(self, tap: Tap, error: Exception) -> None:
+        """Log the exception of a tap, and close it, when nobody publishes in this call."""
+        self.call_soon(partial(self._end_tap, tap, f"{type(error).__name__}: {error}"))
+
+    def _end_tap(self, tap: Tap, reason: str) -> None:
+        self._logger.error(f"{tap.topic}: a tap has ended, because it raised {reason}")
+        tap.close()
 
     def _check(self, name: str, kind: str = "topic") -> str:
         """Return the full name of a topic or a service."""

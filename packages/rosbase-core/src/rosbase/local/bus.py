@@ -5,10 +5,11 @@ topics are wanted here.
 """
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import count
 from typing import Any
 
+from rosbase.contracts.tap import Tap
 from rosbase.errors import BackendError
 from rosbase.local.endpoints import (
     BusLink,
@@ -19,7 +20,7 @@ from rosbase.local.endpoints import (
 )
 from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
-from rosbase.qos import QoSProfile, mismatch
+from rosbase.qos import QoSProfile, ReliabilityPolicy, mismatch
 
 __all__ = ["Bus", "process_bus"]
 
@@ -43,6 +44,23 @@ class _Topic:
             default=None,
         )
 
+    def widest_from(self, link: BusLink) -> Channel | None:
+        """Return the channel on which a link brings most: what comes on others comes on it too.
+
+        Not quite: a latched publisher of lower reliability than a volatile subscription reaches
+        latched subscriptions only.
+        """
+        found = min(
+            (s for s in self.subscriptions if s.link is not link), key=_narrowness, default=None
+        )
+        return found.channel if found else None
+
+
+def _narrowness(subscription: LocalSubscription) -> tuple[bool, bool, int]:
+    number = subscription.channel if isinstance(subscription.channel, int) else 0
+    is_reliable = subscription.profile.reliability is ReliabilityPolicy.RELIABLE
+    return subscription.profile.is_latched, is_reliable, number
+
 
 class Bus:
     """All topics and services of a process, or of a test."""
@@ -51,6 +69,7 @@ class Bus:
         self.services = ServiceRegistry()
         """Its services."""
         self._topics: dict[str, _Topic] = {}
+        self._taps: dict[str, tuple[Tap, ...]] = {}
         self._links: tuple[BusLink, ...] = ()
         self._latched_numbers = count(1)
         self._logger = RosbaseLogger("topics")
@@ -66,6 +85,8 @@ class Bus:
             topic = self._enter(name, msg_type)
             publisher = make_publisher(name, msg_type, profile)
             topic.publishers.append(publisher)
+            if name in self._taps:
+                publisher.set_taps(self._takers(name))
             reasons = [_connect(publisher, other) for other in topic.subscriptions]
         self._warn(name, reasons)
         return publisher
@@ -91,6 +112,29 @@ class Bus:
             publisher.close()
             self._topics[publisher.topic].publishers.remove(publisher)
             self._leave(publisher.topic)
+
+    def add_tap(self, tap: Tap) -> None:
+        """Have a tap hear what is published here, and what comes from links, from now on."""
+        with self._lock:
+            self._taps[tap.topic] = (*self._taps.get(tap.topic, ()), tap)
+            self._connect_taps(tap.topic)
+
+    def remove_tap(self, tap: Tap) -> None:
+        """Remove a tap from `add_tap`. Do nothing if it has been removed."""
+        with self._lock:
+            left = tuple(other for other in self._taps.pop(tap.topic, ()) if other is not tap)
+            if left:
+                self._taps[tap.topic] = left
+            self._connect_taps(tap.topic)
+
+    def is_tapped(self, name: str) -> bool:
+        """Return whether a tap hears a topic."""
+        return name in self._taps
+
+    def type_of(self, name: str) -> type | None:
+        """Return the type of a topic; None if nobody uses it."""
+        topic = self._topics.get(name)
+        return topic.msg_type if topic else None
 
     def heard_type(self, name: str) -> type | None:
         """Return the type of a topic that has subscriptions; None if it has none."""
@@ -143,6 +187,28 @@ class Bus:
         for subscription in topic.subscriptions:
             if subscription.channel == channel and subscription.link is not link:
                 subscription.deliver(message)
+
+    def _deliver_with_taps(self, link: BusLink, name: str, channel: Channel, message: Any) -> None:
+        """Take the place of `deliver_from` while there is a tap."""
+        Bus.deliver_from(self, link, name, channel, message)
+        topic, taps = self._topics.get(name), self._taps.get(name, ())
+        # It comes once for each channel.
+        if taps and topic is not None and topic.widest_from(link) == channel:
+            for tap in taps:
+                tap.take(message)
+
+    def _connect_taps(self, name: str) -> None:
+        topic, takers = self._topics.get(name), self._takers(name)
+        for publisher in topic.publishers if topic else ():
+            publisher.set_taps(takers)
+        # So what comes from links has no cost without a tap.
+        if self._taps:
+            vars(self)["deliver_from"] = self._deliver_with_taps
+        else:
+            vars(self).pop("deliver_from", None)
+
+    def _takers(self, name: str) -> tuple[Callable[[Any], None], ...]:
+        return tuple(tap.take for tap in self._taps.get(name, ()))
 
     def _tell_links(self, subscription: LocalSubscription, topic: _Topic) -> None:
         for link in self._links:

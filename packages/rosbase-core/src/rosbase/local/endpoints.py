@@ -4,7 +4,7 @@ import copy
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 from rosbase.messages.fields import is_frozen
 from rosbase.qos import QoSProfile
@@ -65,17 +65,23 @@ class LocalSubscription(QueuedSubscription):
         """Channel by which links know it. The bus gives a latched one its number."""
 
 
+_Takers: TypeAlias = tuple[Callable[[Any], None], ...]
+
+
 class LocalPublisher:
     """Hands messages to the subscriptions of one topic."""
 
-    __slots__ = ("_deliveries", "_msg_type", "profile", "topic")
+    __slots__ = ("_deliveries", "_matching", "_msg_type", "_taps", "profile", "topic")
 
     def __init__(self, topic: str, msg_type: type, profile: QoSProfile) -> None:
         self.topic = topic
         self.profile = profile
         self._msg_type = msg_type
         # Replaced, never changed, so that publishing needs no lock.
-        self._deliveries: tuple[Callable[[Any], None], ...] = ()
+        self._matching: _Takers = ()
+        self._taps: _Takers = ()
+        # Both; without a tap, the very tuple of the subscriptions.
+        self._deliveries: _Takers = ()
 
     def publish(self, message: Any) -> None:
         """Queue the message for every matching subscription. Call it from any thread.
@@ -90,19 +96,35 @@ class LocalPublisher:
         for deliver in self._deliveries:
             deliver(message)
 
+    @property
+    def subscription_count(self) -> int:
+        """Number of subscriptions that hear it."""
+        return len(self._matching)
+
     # Called by the bus, one at a time.
 
     def connect(self, subscription: LocalSubscription) -> None:
         """Connect the subscription: it receives messages published from now on."""
-        self._deliveries = (*self._deliveries, subscription.deliver)
+        self._matching = (*self._matching, subscription.deliver)
+        self._join()
 
     def disconnect(self, subscription: LocalSubscription) -> None:
         """Disconnect the subscription. Do nothing if it is not connected."""
-        self._deliveries = tuple(d for d in self._deliveries if d != subscription.deliver)
+        self._matching = tuple(d for d in self._matching if d != subscription.deliver)
+        self._join()
+
+    def set_taps(self, taps: _Takers) -> None:
+        """Hand each message to these, too, from now on."""
+        self._taps = taps
+        self._join()
 
     def close(self) -> None:
         """Close the publisher: nobody receives its messages from now on."""
-        self._deliveries = ()
+        self._matching, self._taps = (), ()
+        self._join()
+
+    def _join(self) -> None:
+        self._deliveries = (*self._matching, *self._taps) if self._taps else self._matching
 
 
 class LatchedPublisher(LocalPublisher):
@@ -129,6 +151,11 @@ class LatchedPublisher(LocalPublisher):
                 for message in list(self._kept)[-subscription.depth :]:
                     subscription.deliver(message)
             super().connect(subscription)
+
+    def set_taps(self, taps: _Takers) -> None:
+        """Hand each message to these, too; one that is being published goes to those before."""
+        with self._lock:
+            super().set_taps(taps)
 
     def close(self) -> None:
         """Close the publisher and drop its kept messages."""

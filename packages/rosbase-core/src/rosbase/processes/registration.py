@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from rosbase.contracts.names import check_node_name
+from rosbase.control.programs import keep_log
 from rosbase.errors import ConfigurationError
 from rosbase.logger import RosbaseLogger
 from rosbase.processes.child import ChildProcess
@@ -158,6 +159,8 @@ def register_multiprocess_nodes(
         for name, launch in launches.items()
     }
     processes = ChildProcesses(children, logger)
+    # They may say something before there is a manager.
+    keep_log()
     processes.start()
     return processes
 

@@ -19,6 +19,7 @@ from rosbase.testing.backend_kit.promises import PROMISES
 from rosbase.testing.backend_kit.quality import QualityChecks
 from rosbase.testing.backend_kit.rig import BackendCapabilities, ServiceKind
 from rosbase.testing.backend_kit.services import ServiceChecks
+from rosbase.testing.backend_kit.taps import TapChecks
 from rosbase.testing.backend_kit.threads import ThreadChecks
 from rosbase.testing.backend_kit.timers import TimerChecks
 from rosbase.testing.backend_kit.topics import TopicChecks
@@ -30,6 +31,7 @@ class BackendContract(
     OpeningChecks,
     ThreadChecks,
     TopicChecks,
+    TapChecks,
     QualityChecks,
     TimerChecks,
     ParameterChecks,

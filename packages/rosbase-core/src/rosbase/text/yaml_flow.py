@@ -14,15 +14,19 @@ if TYPE_CHECKING:
 __all__ = ["read_flow"]
 
 _MOST_DEPTH = 64
-_BLANKS = re.compile(r"\s*")
-_WORD = re.compile(r"[^,\[\]{}:#\s'\"]+|:(?=\S)|[ \t]+(?=[^\s,\]}#:])|#|['\"]")
-_COMMENT = re.compile(r"(?:^|\s)#")
+# Of YAML; Python has more of them.
+_WHITE = " \t\r\n"
+_BLANKS = re.compile(f"[{_WHITE}]*")
+_WORD = re.compile(
+    rf"[^,\[\]{{}}:#{_WHITE}'\"]+|:(?=[^{_WHITE}])|[ \t]+(?=[^{_WHITE},\]}}#:])|#|['\"]"
+)
+_COMMENT = re.compile(f"(?:^|[{_WHITE}])#")
 _DOUBLE = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
 _SINGLE = re.compile(r"'((?:[^']|'')*)'", re.DOTALL)
 _ESCAPE = re.compile(r"\\(x[0-9a-fA-F]{2}|u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|.)", re.DOTALL)
 _ESCAPED = {
     "0": "\0", "a": "\a", "b": "\b", "t": "\t", "n": "\n", "v": "\v", "f": "\f", "r": "\r",
-    "e": "\x1b",
+    "e": "\x1b", "N": "\x85", "_": "\xa0", "L": "\u2028", "P": "\u2029",
 }  # fmt: skip
 _NOTHING = ("", "~", "null", "Null", "NULL")
 _NUMBERS = {".inf": "inf", "+.inf": "inf", "-.inf": "-inf", ".nan": "nan"}
@@ -65,8 +69,8 @@ class _Reader:
 
     def _rest(self) -> str:
         """Take all that is left, up to a comment."""
-        text = _COMMENT.split(self._text[self._at :], maxsplit=1)[0].strip()
-        if re.search(r":(\s|$)", text):
+        text = _COMMENT.split(self._text[self._at :], maxsplit=1)[0].strip(_WHITE)
+        if re.search(f":([{_WHITE}]|$)", text):
             raise self._error("a colon too many")
         self._at = len(self._text)
         return text

@@ -43,7 +43,9 @@ _ESCAPES = {
 }  # fmt: skip
 
 
-def as_yaml(data: dict[str, Any] | list[Any], *, flow: bool = False, sort_keys: bool = False) -> str:
+def as_yaml(
+    data: dict[str, Any] | list[Any], *, flow: bool = False, sort_keys: bool = False
+) -> str:
     """Return data as YAML, with a line end.
 
     Args:

@@ -5,7 +5,7 @@ from typing import Any
 
 from rosbase.wire.description import Field, Kind, MessageType, describe
 
-__all__ = ["schema"]
+__all__ = ["schema", "schema_of"]
 
 _RULE = "=" * 80
 
@@ -20,7 +20,11 @@ def schema(cls: type, *, with_defaults: bool = False) -> str:
     Raises:
         TypeError: It is no message.
     """
-    own = describe(cls)
+    return schema_of(describe(cls), with_defaults=with_defaults)
+
+
+def schema_of(own: MessageType, *, with_defaults: bool = False) -> str:
+    """Return the definition of a message type; see `schema`."""
     texts = ["".join(_lines(own, with_defaults))]
     for part in own.parts():
         lines = "".join(_lines(part, with_defaults))

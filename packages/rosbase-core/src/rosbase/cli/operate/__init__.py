@@ -55,7 +55,7 @@ def run(words: list[str]) -> int:
 def _run(words: list[str]) -> int:
     if words[0] == "_complete":
         # What the scripts of `rosbase completion` ask at each Tab.
-        from rosbase.cli.operate.completion import complete  # noqa: PLC0415 - as above
+        from rosbase.cli.operate.completion import complete
 
         return complete(words[1:])
     try:
@@ -74,14 +74,14 @@ def _run(words: list[str]) -> int:
         return _misused(name, str(error))
     except WantsHelp:
         # Seldom wanted, so not imported for others.
-        from rosbase.cli.operate.helping import command_help  # noqa: PLC0415 - as said
+        from rosbase.cli.operate.helping import command_help
 
         print(command_help(name, command))
         return 0
 
 
 def _show_group(name: str, group: Group, *, wanted: bool) -> int:
-    from rosbase.cli.operate.helping import group_help  # noqa: PLC0415 - as above
+    from rosbase.cli.operate.helping import group_help
 
     if wanted:
         print(group_help(name, group))
@@ -96,7 +96,7 @@ def _misused(name: str, text: str) -> int:
 
 def _complain(line: str) -> None:
     # Names and reasons come from other programs.
-    from rosbase.text.printable import MOST_LINE, one_line  # noqa: PLC0415 - only for errors
+    from rosbase.text.printable import MOST_LINE, one_line
 
     try:
         print(f"rosbase: {one_line(line, MOST_LINE)}", file=sys.stderr, flush=True)

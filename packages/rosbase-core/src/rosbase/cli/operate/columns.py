@@ -14,7 +14,7 @@ _GAP = "  "
 def columns(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
     """Return rows as a table; the columns with these numbers are aligned at the right."""
     # Names come from other programs.
-    from rosbase.text.printable import printable  # noqa: PLC0415 - loaded for tables only
+    from rosbase.text.printable import printable
 
     safe = [[printable(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*safe, strict=True)]

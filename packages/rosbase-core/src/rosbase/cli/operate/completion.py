@@ -91,7 +91,7 @@ def complete(words: list[str]) -> int:
 def _candidates(before: list[str], current: str) -> Iterable[tuple[str, str]]:
     if before and before[0] in GROUPS:
         return _of_quick(before, current)
-    from rosbase.cli.operate.other_commands import (  # noqa: PLC0415 - it loads all plugins
+    from rosbase.cli.operate.other_commands import (
         commands,
         options,
     )
@@ -126,9 +126,7 @@ def _of_quick(before: list[str], current: str) -> Iterable[tuple[str, str]]:
     return _names(argument.completes, arguments, program, current)
 
 
-def _read_so_far(
-    command: Command, words: list[str]
-) -> tuple[list[str], Option | None, str | None]:
+def _read_so_far(command: Command, words: list[str]) -> tuple[list[str], Option | None, str | None]:
     """Return the arguments so far, the option whose value comes next, and the program."""
     known = {flag: option for option in all_options(command) for flag in option.flags}
     arguments: list[str] = []
@@ -160,7 +158,7 @@ def _names(
     kind: str, arguments: list[str], program: str | None, current: str
 ) -> list[tuple[str, str]]:
     """Return live names of a kind, or the words that it is."""
-    from rosbase.cli.operate import live_names  # noqa: PLC0415 - options need it not
+    from rosbase.cli.operate import live_names
 
     look_up = getattr(live_names, kind, None)
     if look_up is None:

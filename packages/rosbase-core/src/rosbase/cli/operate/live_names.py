@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 WITH_SLASH = frozenset(("topics", "nodes", "services", "lifecycle_nodes"))
 """Kinds of names whose slash in front may be left out."""
 
-# Nobody waits longer for a Tab.
-_WAIT_S = 0.4
+# Only a program that hangs takes so long.
+_WAIT_S = 1.0
 
 
 def topics(_arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the topics, with their types."""
-    from rosbase.control.questions.topics import TopicQuestions  # noqa: PLC0415 - only these
+    from rosbase.control.questions.topics import TopicQuestions
 
     return [(t["name"], ", ".join(t["types"])) for t in TopicQuestions(program, _WAIT_S).topics()]
 
@@ -35,7 +35,7 @@ def topic_type(arguments: list[str], program: str | None, current: str) -> Names
 
 def services(_arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the services, with their types."""
-    from rosbase.control.questions.services import ServiceQuestions  # noqa: PLC0415 - as above
+    from rosbase.control.questions.services import ServiceQuestions
 
     found = ServiceQuestions(program, _WAIT_S).services()
     return list(dict.fromkeys((s["name"], s["type"]) for s in found if s["servers"]))
@@ -50,7 +50,7 @@ def service_type(arguments: list[str], program: str | None, current: str) -> Nam
 
 def nodes(_arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the nodes."""
-    from rosbase.control.questions.nodes import NodeQuestions  # noqa: PLC0415 - as above
+    from rosbase.control.questions.nodes import NodeQuestions
 
     found = NodeQuestions(program, _WAIT_S).nodes()
     return sorted({(node["name"], "") for node in found})
@@ -58,7 +58,7 @@ def nodes(_arguments: list[str], program: str | None, _current: str) -> Names:
 
 def parameters(arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the parameters of the node that is the first argument."""
-    from rosbase.control.questions.parameters import (  # noqa: PLC0415 - as above
+    from rosbase.control.questions.parameters import (
         ParameterQuestions,
     )
 
@@ -68,7 +68,7 @@ def parameters(arguments: list[str], program: str | None, _current: str) -> Name
 
 def lifecycle_nodes(_arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the lifecycle nodes, with their states."""
-    from rosbase.control.questions.lifecycle import LifecycleQuestions  # noqa: PLC0415 - as above
+    from rosbase.control.questions.lifecycle import LifecycleQuestions
 
     states = LifecycleQuestions(program, _WAIT_S).lifecycle_states()
     return [(state["name"], state["state"]) for state in states]
@@ -76,7 +76,7 @@ def lifecycle_nodes(_arguments: list[str], program: str | None, _current: str) -
 
 def transitions(arguments: list[str], program: str | None, _current: str) -> Names:
     """Return the transitions that the node offers that is the first argument."""
-    from rosbase.control.questions.lifecycle import LifecycleQuestions  # noqa: PLC0415 - as above
+    from rosbase.control.questions.lifecycle import LifecycleQuestions
 
     found = LifecycleQuestions(program, _WAIT_S).transitions(arguments[0])
     return [(one["label"], f"{one['start']} to {one['goal']}") for one in found]
@@ -94,7 +94,7 @@ def programs(_arguments: list[str], _program: str | None, _current: str) -> Name
 
 def launched(_arguments: list[str], _program: str | None, _current: str) -> Names:
     """Return the programs that `rosbase up` has started."""
-    from rosbase.control.questions.programs import ProgramQuestions  # noqa: PLC0415 - as above
+    from rosbase.control.questions.programs import ProgramQuestions
 
     return [(one["name"], one["state"]) for one in ProgramQuestions(None, _WAIT_S).launched()]
 

@@ -19,7 +19,7 @@ _CUT = "..."
 
 
 class Limits:
-    """What is left out of a message."""
+    """Limits of lists and texts in a message."""
 
     __slots__ = ("length", "no_lists", "no_texts")
 
@@ -44,7 +44,7 @@ def writer_for(given: Any) -> Callable[[Any], str]:
     if given.csv:
         return lambda value: f"{as_csv(value, limits)}\n"
     # JSON and CSV need it not.
-    from rosbase.text.yaml_text import as_yaml  # noqa: PLC0415 - as said
+    from rosbase.text.yaml_text import as_yaml
 
     def write(value: Any) -> str:
         value = shortened(value, limits)
@@ -103,7 +103,7 @@ def as_csv(value: Any, limits: Limits) -> str:
 def as_json(value: Any, limits: Limits) -> str:
     """Return a message as one line of JSON; numbers that JSON cannot carry are null."""
     # YAML needs it not.
-    import json  # noqa: PLC0415 - as said
+    import json
 
     return json.dumps(_for_json(shortened(value, limits)), separators=(", ", ": "))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rosbase.control.names import is_hidden
 from rosbase.control.questions.nodes import NodeQuestions
 
 TYPE_CHECKING = False
@@ -22,7 +23,8 @@ def show_list(given: Any) -> None:
     """Print the names of the nodes, one a line, as `ros2 node list` does."""
     nodes = NodeQuestions(given.program).nodes()
     # Plain nodes of a manager share its name. Two programs may have nodes of one name.
-    names = sorted({(node["name"], node["pid"]) for node in nodes})
+    found = {(node["name"], node["pid"]) for node in nodes}
+    names = sorted(one for one in found if given.all or not is_hidden(one[0]))
     if given.count_nodes:
         print(len(names))
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 from rosbase.cli.operate.reading import UsageError
+from rosbase.control.names import full_type
 from rosbase.control.questions.topics import TopicQuestions
 from rosbase.errors import ControlError
 
@@ -20,7 +21,7 @@ __all__ = ["bandwidth", "delay", "echo", "rate"]
 
 def echo(given: Any) -> int:
     """Print messages as `ros2 topic echo` does, until Ctrl-C; the status tells of none."""
-    from rosbase.cli.operate.message_text import writer_for  # noqa: PLC0415 - hz needs it not
+    from rosbase.cli.operate.message_text import writer_for
 
     if given.json and given.csv:
         raise UsageError("--json and --csv: choose one")
@@ -41,11 +42,9 @@ def echo(given: Any) -> int:
 
 def _check_type(questions: TopicQuestions, given: Any) -> None:
     topic = questions.topic(given.topic)
-    if given.type is not None:
-        wanted = given.type if "/msg/" in given.type else given.type.replace("/", "/msg/")
-        if wanted not in topic["types"]:
-            text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
-            raise ControlError(text, "invalid")
+    if given.type is not None and full_type(given.type) not in topic["types"]:
+        text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
+        raise ControlError(text, "invalid")
     if not topic["publishers"]:
         print(f"rosbase: no program publishes {topic['name']} yet", file=sys.stderr)
 
@@ -81,7 +80,7 @@ def delay(given: Any) -> int:
 
 
 def _report(given: Any, measure: str, text_of: Callable[[Any], str]) -> int:
-    from rosbase.cli.operate.pool import Pool  # noqa: PLC0415 - echo needs it not
+    from rosbase.cli.operate.pool import Pool
 
     if measure == "bytes":
         name = TopicQuestions(given.program).topic(given.topic)["name"]

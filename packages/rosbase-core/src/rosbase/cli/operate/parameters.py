@@ -60,9 +60,7 @@ def set_values(given: Any) -> int:
     words = given.name_and_value
     if len(words) % 2:
         raise UsageError("give names and values in turn: NAME VALUE [NAME VALUE ...]")
-    values = {
-        name: {"text": text} for name, text in zip(words[::2], words[1::2], strict=True)
-    }
+    values = {name: {"text": text} for name, text in zip(words[::2], words[1::2], strict=True)}
     questions = ParameterQuestions(given.program)
     results = questions.set_parameters(given.node, values, atomically=given.atomic)
     several = len(results) > 1
@@ -109,7 +107,7 @@ def _type(kind: str) -> str:
 
 def dump(given: Any) -> None:
     """Print the parameters of a node as a parameter file of ROS 2."""
-    from rosbase.text.yaml_text import as_yaml  # noqa: PLC0415 - other commands need it not
+    from rosbase.text.yaml_text import as_yaml
 
     questions = ParameterQuestions(given.program)
     nested: dict[str, Any] = {}
@@ -132,7 +130,7 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
 
 def load(given: Any) -> int:
     """Set the parameters that a file has for a node, as `ros2 param load` does."""
-    from rosbase.cli.operate.parameter_files import values_in  # noqa: PLC0415 - as above
+    from rosbase.cli.operate.parameter_files import values_in
 
     questions = ParameterQuestions(given.program)
     node, names = next(iter(questions.parameter_names(given.node).items()))

@@ -22,7 +22,7 @@ def show_processes(given: Any) -> None:
     questions = ProgramQuestions(given.program)
     found, started = questions.processes_and_launched()
     if given.json:
-        import json  # noqa: PLC0415 - seldom wanted
+        import json
 
         print(json.dumps({"processes": found, "launched": started}, indent=2))
         return

@@ -42,7 +42,7 @@ def publish(given: Any) -> None:
 
 def _wait_for(questions: PublishQuestions, name: str, wanted: int) -> None:
     """Wait until so many subscriptions are there."""
-    from rosbase.errors import ControlError  # noqa: PLC0415 - only here
+    from rosbase.errors import ControlError
 
     looks = 0
     while True:
@@ -60,9 +60,7 @@ def _wait_for(questions: PublishQuestions, name: str, wanted: int) -> None:
         pause(_LOOK_S)
 
 
-def _publish(
-    publication: Publication, values: Any, given: Any, times: int | None
-) -> None:
+def _publish(publication: Publication, values: Any, given: Any, times: int | None) -> None:
     shape = parsed({"type": publication.type, "schema": publication.schema})
     print("publisher: beginning loop")
     count = 0

@@ -67,9 +67,7 @@ def read(command: Command, words: list[str]) -> dict[str, object]:
     return values
 
 
-def _read_options(
-    command: Command, words: list[str], values: dict[str, object]
-) -> list[str]:
+def _read_options(command: Command, words: list[str], values: dict[str, object]) -> list[str]:
     """Take the options from the words; return the arguments."""
     known = {flag: option for option in all_options(command) for flag in option.flags}
     arguments: list[str] = []

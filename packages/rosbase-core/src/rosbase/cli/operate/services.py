@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rosbase.control.names import is_hidden
 from rosbase.control.questions.services import ServiceQuestions
 
 TYPE_CHECKING = False
@@ -15,7 +16,7 @@ def show_list(given: Any) -> None:
     """Print the names of the services, one a line, as `ros2 service list` does."""
     types: dict[str, list[str]] = {}
     for service in ServiceQuestions(given.program).services():
-        if service["servers"]:
+        if service["servers"] and (given.all or not is_hidden(service["name"])):
             known = types.setdefault(service["name"], [])
             known += [service["type"]] * (service["type"] not in known)
     if given.count_services:
@@ -32,7 +33,7 @@ def show_type(given: Any) -> None:
 
 def call(given: Any) -> None:
     """Call a service; print the request and the response as `ros2 service call` does."""
-    from rosbase.cli.operate.values import (  # noqa: PLC0415 - a list needs it not
+    from rosbase.cli.operate.values import (
         as_call,
         decoded,
         encoded,

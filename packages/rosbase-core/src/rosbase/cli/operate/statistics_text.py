@@ -25,7 +25,7 @@ def show_statistics(given: Any) -> None:
     """Print the times of the ticks, with histograms, or as JSON."""
     found = [one for one in ProgramQuestions(given.program).statistics() if one.get("period")]
     if given.json:
-        import json  # noqa: PLC0415 - seldom wanted
+        import json
 
         print(json.dumps(found, indent=2))
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from rosbase.control.names import full_type, is_hidden
 from rosbase.control.questions.topics import TopicQuestions
 
 TYPE_CHECKING = False
@@ -20,7 +21,7 @@ __all__ = ["find", "show_info", "show_list", "show_type"]
 def show_list(given: Any) -> None:
     """Print the names of the topics, one a line, as `ros2 topic list` does."""
     questions = TopicQuestions(given.program)
-    topics = questions.topics()
+    topics = [t for t in questions.topics() if given.all or not is_hidden(t["name"])]
     if given.count_topics:
         print(len(topics))
     elif given.verbose:
@@ -49,7 +50,7 @@ def _is_in_several(topic: Topic) -> bool:
 
 def _warn_of_several(questions: TopicQuestions, topics: list[Topic]) -> None:
     """Say on stderr which topics are two topics of one name, because no bus joins them."""
-    from rosbase.control.buses import buses, on_several  # noqa: PLC0415 - seldom needed
+    from rosbase.control.buses import buses, on_several
 
     processes = questions.processes()
     all_buses = buses(processes)
@@ -65,23 +66,23 @@ def show_info(given: Any) -> None:
     questions = TopicQuestions(given.program)
     topic = questions.topic(given.topic)
     types = topic["types"]
-    print(f"Type: {types[0] if len(types) == 1 else types}")
+    # `ros2` separates the parts of the long form.
+    print(f"Type: {types[0] if len(types) == 1 else types}", end="\n\n" if given.verbose else "\n")
     if given.verbose:
         _show_ends(questions, topic)
     else:
         print(f"Publisher count: {len(topic['publishers'])}")
-        print(f"Subscription count: {len(topic['subscriptions'])}")
+        print(f"Subscription count: {len(topic['subscriptions'])}\n")
     processes = questions.processes()
     _show_programs(topic, processes)
-    from rosbase.control.buses import buses, on_several  # noqa: PLC0415 - a list needs it not
+    from rosbase.control.buses import buses, on_several
 
     _show_gap(topic, on_several(topic, buses(processes)), processes)
 
 
 def _show_programs(topic: Topic, processes: list[Process]) -> None:
-    from rosbase.control.questions.base import label  # noqa: PLC0415 - as above
+    from rosbase.control.questions.base import label
 
-    print()
     for process in processes:
         parts = []
         for what, ends in (("publishes", topic["publishers"]),
@@ -111,7 +112,7 @@ def _show_gap(topic: Topic, found: list[Bus], processes: list[Process]) -> None:
 
 
 def _bus_name(bus: Bus, processes: Iterable[Process]) -> str:
-    from rosbase.control.questions.base import label  # noqa: PLC0415 - as above
+    from rosbase.control.questions.base import label
 
     return " + ".join(label(process) for process in processes if process["pid"] in bus.pids)
 
@@ -130,14 +131,17 @@ def _show_ends(questions: TopicQuestions, topic: Topic) -> None:
         ("Publisher count", "PUBLISHER", topic["publishers"]),
         ("Subscription count", "SUBSCRIPTION", topic["subscriptions"]),
     ):
-        print(f"\n{title}: {len(ends)}\n")
+        print(f"{title}: {len(ends)}\n")
         for end in ends:
             print(_end_text(end, kind, hashes[end["pid"]]))
 
 
 def _end_text(end: Endpoint, kind: str, of_type: dict[str, Any]) -> str:
     namespace, _, node = end["node"].rpartition("/")
-    qos = end["qos"]
+    # A backend of a plugin may not know it.
+    qos = end["qos"] or {
+        "reliability": "unknown", "durability": "unknown", "history": "unknown", "depth": 0
+    }  # fmt: skip
     history = qos["history"].upper()
     if history == "KEEP_LAST":
         history = f"{history} ({qos['depth']})"
@@ -158,10 +162,9 @@ def show_type(given: Any) -> None:
 
 def find(given: Any) -> None:
     """Print the names of the topics of a type."""
-    wanted = given.type.replace("/msg/", "/")
-    found = [
-        topic["name"]
-        for topic in TopicQuestions(given.program).topics()
-        if wanted in [name.replace("/msg/", "/") for name in topic["types"]]
-    ]
-    print(len(found) if given.count_topics else "\n".join(found))
+    topics = TopicQuestions(given.program).topics()
+    found = [topic["name"] for topic in topics if full_type(given.type) in topic["types"]]
+    if given.count_topics:
+        print(len(found))
+    for name in [] if given.count_topics else found:
+        print(name)

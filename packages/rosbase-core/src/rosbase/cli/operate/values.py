@@ -37,7 +37,7 @@ def read_values(text: str | None) -> Mapping[str, Any]:
 
 def _several_lines(text: str) -> Any:
     try:
-        import yaml  # noqa: PLC0415 - not among the requirements
+        import yaml
     except ImportError:
         raise UsageError(
             "values in several lines need PyYAML: pip install pyyaml; or write them in one line"
@@ -49,9 +49,7 @@ def _several_lines(text: str) -> Any:
         raise ValueError(" ".join(str(error).split())) from error
 
 
-def encoded(
-    encode: Callable[[Mapping[str, Any]], bytes], values: Mapping[str, Any]
-) -> bytes:
+def encoded(encode: Callable[[Mapping[str, Any]], bytes], values: Mapping[str, Any]) -> bytes:
     """Return values as CDR.
 
     Raises:
@@ -65,14 +63,14 @@ def encoded(
 
 def parsed(of: Mapping[str, Any]) -> MessageType:
     """Return the type that an answer of a program describes."""
-    from rosbase.wire.schema_text import parse_schema  # noqa: PLC0415 - has been imported by then
+    from rosbase.wire.schema_text import parse_schema
 
     return parse_schema(of["type"], of["schema"])
 
 
 def decoded(of: Mapping[str, Any], data: bytes) -> str:
     """Return a message, as CDR, as `as_call` writes it."""
-    from rosbase.wire.plain import decoder  # noqa: PLC0415 - as above
+    from rosbase.wire.plain import decoder
 
     return as_call(parsed(of), decoder(of["type"], of["schema"])(data))
 

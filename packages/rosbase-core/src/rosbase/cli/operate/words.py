@@ -4,7 +4,16 @@ Parsing, help, completion and the documentation's tests all read it. It needs no
 import takes as long as half a start of Python.
 """
 
-__all__ = ["GROUPS", "PROGRAM", "Argument", "Command", "Group", "Option", "all_options"]
+__all__ = [
+    "GROUPS",
+    "HELP",
+    "PROGRAM",
+    "Argument",
+    "Command",
+    "Group",
+    "Option",
+    "all_options",
+]
 
 
 class Option:
@@ -29,12 +38,12 @@ class Option:
         self.value = value
         """Name of its value in the help; empty for a switch."""
         self.kind = kind
-        """What the value must be: text, positive (number), whole (number) or count (0 or more)."""
+        """Kind of its value: text, positive (number), whole (number) or count (0 or more)."""
         self.default = default if value or default is not None else False
         self.many = many
         """Whether it can be given several times, so that its value is a list."""
         self.completes = completes
-        """What a shell offers for its value: a kind of live name, or words."""
+        """Candidates that a shell offers for its value: a kind of live name, or words."""
 
     @property
     def key(self) -> str:
@@ -106,7 +115,7 @@ _NODE = Argument("node", "name of the node", completes="nodes")
 _SERVICE = Argument("service", "name of the service", completes="services")
 _PARAMETER = Argument("parameter", "name of the parameter", completes="parameters")
 _LIFECYCLE_NODE = Argument("node", "name of the node", completes="lifecycle_nodes")
-_COUNT = Option("-c --count", "print only how many there are")
+_ALL = Option("-a --include-hidden --all", "list hidden ones too, such as /_private")
 _TYPES = Option("-t --show-types", "print the types too")
 _VALUES = "the values in YAML, such as '{x: 1.5}'; fields that are left out have their defaults"
 
@@ -230,6 +239,7 @@ GROUPS: dict[str, Command | Group] = {
             "list": Command(
                 "list the nodes",
                 "nodes.show_list",
+                _ALL,
                 Option("-c --count-nodes", "print only how many there are"),
             ),
             "info": Command(
@@ -244,6 +254,7 @@ GROUPS: dict[str, Command | Group] = {
                 "list the topics",
                 "topics.show_list",
                 _TYPES,
+                _ALL,
                 Option("-c --count-topics", "print only how many there are"),
                 Option("-v --verbose", "print the number of publishers and subscriptions"),
             ),
@@ -280,7 +291,7 @@ GROUPS: dict[str, Command | Group] = {
     "service": Group(
         "list and call services",
         {
-            "list": Command("list the services", "services.show_list", _TYPES,
+            "list": Command("list the services", "services.show_list", _TYPES, _ALL,
                             Option("-c --count-services", "print only how many there are")),
             "type": Command("print the type of a service", "services.show_type", _SERVICE),
             "call": Command(

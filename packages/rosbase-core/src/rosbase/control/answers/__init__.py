@@ -29,7 +29,16 @@ from rosbase.control.requests import Answerer
 
 __all__ = ["SUBJECTS", "all_answers"]
 
-SUBJECTS = ("processes", "nodes", "parameters", "lifecycle", "log", "statistics")
+SUBJECTS = (
+    "processes",
+    "nodes",
+    "parameters",
+    "lifecycle",
+    "log",
+    "statistics",
+    "topics",
+    "services",
+)
 """Modules of this package."""
 
 

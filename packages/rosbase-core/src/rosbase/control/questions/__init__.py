@@ -1,4 +1,4 @@
-"""What can be asked of running programs, by subject.
+"""Questions to running programs, by subject.
 
 A command imports only its own subject, because each import counts in its short life.
 """

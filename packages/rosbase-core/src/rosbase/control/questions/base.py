@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from rosbase.control.gathering import gather
+from rosbase.control.gathering import gather, name_on_stderr
 from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from typing import Any
 
     from rosbase.control.gathering import Ask
     from rosbase.control.shapes import Process
 
 __all__ = ["Questions", "label"]
+
 
 def label(process: Process) -> str:
     """Return how a process is named in a message: `robot [4711]`."""
@@ -27,16 +28,22 @@ class Questions:
     programs that run at that time.
     """
 
-    def __init__(self, program: str | int | None = None, timeout_s: float = 1.0) -> None:
+    def __init__(
+        self,
+        program: str | int | None = None,
+        timeout_s: float = 1.0,
+        on_silent: Callable[[str], object] | None = name_on_stderr,
+    ) -> None:
         """Ask all programs, or the one with that name or pid.
 
         Args:
             program: The name of a program, or the pid of its process; None asks all.
-            timeout_s: How long all programs together may take. One that does not answer is named
-                on stderr.
+            timeout_s: How long all programs together may take.
+            on_silent: Called for each program that does not answer, with a line that names it.
         """
         self._program = program
         self._timeout_s = timeout_s
+        self._on_silent = on_silent
 
     def require(self) -> None:
         """Check that the chosen program runs.
@@ -65,7 +72,7 @@ class Questions:
             ControlError: The chosen program does not run.
         """
         pids = self._chosen()
-        found = gather(asks, self._timeout_s, pids)
+        found = gather(asks, self._timeout_s, pids, self._on_silent)
         if pids is not None and not found:
             raise self._not_running()
         return [(replies.pid, replies.answers) for replies in found]
@@ -84,7 +91,8 @@ class Questions:
 
     def _named(self, name: str) -> Process:
         """Return the process with a program of that name, or that pid."""
-        found = [r.answers[0] for r in gather([("process", {})], self._timeout_s)]
+        replies = gather([("process", {})], self._timeout_s, None, self._on_silent)
+        found = [reply.answers[0] for reply in replies]
         processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
         if name.isdecimal():
             those = [p for p in processes if p["pid"] == int(name)]
@@ -94,7 +102,7 @@ class Questions:
         if len(those) == 1:
             return those[0]
         # Only after a mistake.
-        from rosbase.control import names  # noqa: PLC0415 - as said
+        from rosbase.control import names
 
         if not those:
             known = [n for p in processes for n in (*_names_of(p), str(p["pid"]))]
@@ -123,7 +131,7 @@ class Questions:
         pids = set(owners.get(full, ()))
         if len(pids) == 1:
             return full, pids.pop()
-        from rosbase.control import names  # noqa: PLC0415 - as above
+        from rosbase.control import names
 
         return names.one_of(kind, name, owners, self._labels() if pids else {})
 

@@ -7,6 +7,8 @@ from rosbase.control.questions.base import Questions
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from rosbase.control.shapes import LifecycleState, Transition, TransitionResult
 
 __all__ = ["LifecycleQuestions"]
@@ -17,12 +19,12 @@ class LifecycleQuestions(Questions):
 
     def lifecycle_states(self) -> list[LifecycleState]:
         """Return the states of all lifecycle nodes, by name."""
-        found = [
+        found: list[Any] = [
             {**node, "pid": pid}
             for pid, answer in self._gather("lifecycle.list")
             for node in answer["nodes"]
         ]
-        return sorted(found, key=lambda node: (node["name"], node["pid"]))  # type: ignore[return-value]
+        return sorted(found, key=lambda node: (node["name"], node["pid"]))
 
     def lifecycle_state(self, node: str) -> LifecycleState:
         """Return the state of a node.
@@ -62,9 +64,9 @@ class LifecycleQuestions(Questions):
         arguments = {
             "node": full, "transition": transition, "timeout_ns": int(timeout_s * 1e9)
         }  # fmt: skip
-        result: TransitionResult = ask_one(
-            pid, "lifecycle.set", arguments, wait_s=timeout_s + 1.0
-        )[0]
+        result: TransitionResult = ask_one(pid, "lifecycle.set", arguments, wait_s=timeout_s + 1.0)[
+            0
+        ]
         return result
 
     def _among(self, name: str, states: list[LifecycleState]) -> tuple[str, int]:

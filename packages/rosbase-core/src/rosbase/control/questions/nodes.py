@@ -7,6 +7,8 @@ from rosbase.control.questions.base import Questions
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from rosbase.control.shapes import Node, NodeInfo
 
 __all__ = ["NodeQuestions"]
@@ -17,12 +19,12 @@ class NodeQuestions(Questions):
 
     def nodes(self) -> list[Node]:
         """Return the nodes of all programs, by name and key."""
-        found = [
+        found: list[Any] = [
             {**node, "pid": pid}
             for pid, answer in self._gather("node.list")
             for node in answer["nodes"]
         ]
-        return sorted(found, key=lambda node: (node["name"], node["key"]))  # type: ignore[return-value]
+        return sorted(found, key=lambda node: (node["name"], node["key"]))
 
     def node(self, name: str) -> NodeInfo:
         """Return the topics, services and other things of a node.

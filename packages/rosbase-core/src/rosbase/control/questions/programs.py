@@ -9,6 +9,7 @@ from rosbase.errors import ControlError
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from typing import Any
 
     from rosbase.control.gathering import Ask
     from rosbase.control.shapes import Launched, LogRecord, Process, Statistics
@@ -24,10 +25,10 @@ class ProgramQuestions(Questions):
 
     def statistics(self) -> list[Statistics]:
         """Return the times of the ticks of all programs that have a main loop."""
-        found = []
+        found: list[Any] = []
         for pid, answer in self._gather("statistics"):
             found += [{**one, "pid": pid} for one in answer.get("programs", [answer])]
-        return found  # type: ignore[return-value]
+        return found
 
     def log(
         self, *, level: int = 0, last: int | None = None, follow: bool = False
@@ -39,7 +40,7 @@ class ProgramQuestions(Questions):
             last: How many records from the end; None for all that the programs have kept.
             follow: Whether to go on with new records, until the programs have ended.
         """
-        from rosbase.control.watching import Watch  # noqa: PLC0415 - the only one that needs it
+        from rosbase.control.watching import Watch
 
         pids = self._chosen()
         if pids is None:
@@ -55,22 +56,24 @@ class ProgramQuestions(Questions):
 
     def processes_and_launched(self) -> tuple[list[Process], list[Launched]]:
         """Return what `processes` and `launched` do, of the same moment."""
-        processes, launched = [], []
+        processes: list[Process] = []
+        launched: list[Any] = []
         asks: list[Ask] = [("process", {}), ("launcher.list", {})]
         for pid, (process, started) in self._gather_all(asks):
             if not isinstance(process, ControlError):
                 processes.append(process)
             if not isinstance(started, ControlError):
                 launched += [{**one, "launcher": pid} for one in started["programs"]]
-        return processes, launched  # type: ignore[return-value]
+        return processes, launched
 
     def launched(self) -> list[Launched]:
         """Return the programs that `rosbase up` has started."""
-        return [
+        found: list[Any] = [
             {**one, "launcher": pid}
             for pid, answer in self._gather("launcher.list")
             for one in answer["programs"]
         ]
+        return found
 
     def stop(self, name: str | int) -> str:
         """End a program in order, as with Ctrl-C; return what was asked to end.
@@ -82,9 +85,7 @@ class ProgramQuestions(Questions):
             ControlError: No program has that name, or several have.
         """
         if (one := self._launched_as(str(name))) is not None:
-            ask_one(
-                one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S
-            )
+            ask_one(one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S)
             return one["name"]
         process = self._named(str(name))
         ask_one(process["pid"], "stop", {})
@@ -98,7 +99,7 @@ class ProgramQuestions(Questions):
         """
         one = self._launched_as(name)
         if one is None:
-            from rosbase.control.names import unknown  # noqa: PLC0415 - only after a mistake
+            from rosbase.control.names import unknown
 
             raise unknown("program of rosbase up", name, [o["name"] for o in self.launched()])
         ask_one(one["launcher"], "launcher.restart", {"name": one["name"]}, wait_s=_RESTART_S)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosbase.control.gathering import connect_to
+from rosbase.control.names import full_type
 from rosbase.control.questions.topics import TopicQuestions
 from rosbase.errors import ControlError
 
@@ -20,11 +21,13 @@ class Publication:
     def __init__(
         self, pid: int, topic: str, message_type: str | None, qos: Mapping[str, Any]
     ) -> None:
-        from rosbase.wire.plain import decoder, encoder  # noqa: PLC0415 - others need it not
+        from rosbase.wire.plain import decoder, encoder
 
         self._connection = connect_to(pid)
         try:
-            which = {"topic": topic} if message_type is None else {"type": message_type}
+            which = {"topic": topic}
+            if message_type is not None:
+                which = {"type": full_type(message_type)}
             found, _ = self._connection.ask("topic.type", which, wait_s=5.0)
         except BaseException:
             self._connection.close()
@@ -116,7 +119,7 @@ class PublishQuestions(TopicQuestions):
         subscribed = {end["pid"] for end in topic["subscriptions"]}
         hearing = [bus for bus in found if bus.pids & subscribed] or found
         if len(hearing) > 1:
-            from rosbase.control.names import ambiguous  # noqa: PLC0415 - only after a mistake
+            from rosbase.control.names import ambiguous
 
             labels = self._labels()
             who = [labels[min(bus.pids)] for bus in hearing]
@@ -137,6 +140,6 @@ class PublishQuestions(TopicQuestions):
 
 
 def _now_ns() -> int:
-    from rosbase.clock import SystemClock  # noqa: PLC0415 - for stamps only
+    from rosbase.clock import SystemClock
 
     return SystemClock().now_ns()

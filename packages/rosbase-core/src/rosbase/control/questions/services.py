@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosbase.control.gathering import ask_one
+from rosbase.control.names import full_type
 from rosbase.control.questions.base import Questions
 from rosbase.errors import ControlError
 
@@ -23,7 +24,7 @@ class PreparedService:
 
     def __init__(self, name: str, pid: int, kind: str) -> None:
         # Lists of services need none of it.
-        from rosbase.wire.plain import decoder, encoder  # noqa: PLC0415 - as said
+        from rosbase.wire.plain import decoder, encoder
 
         self.name = name
         self.pid = pid
@@ -55,9 +56,7 @@ class PreparedService:
             "service": self.name, "type": self.type, "timeout_ns": int(timeout_s * 1e9)
         }  # fmt: skip
         # A little longer, so that the answer says why there is no response.
-        _, answer = ask_one(
-            self.pid, "service.call", arguments, data, timeout_s + _SPARE_S
-        )
+        _, answer = ask_one(self.pid, "service.call", arguments, data, timeout_s + _SPARE_S)
         return self._decode(answer)
 
 
@@ -66,12 +65,12 @@ class ServiceQuestions(Questions):
 
     def services(self) -> list[Service]:
         """Return the services of all programs, by name."""
-        found = [
+        found: list[Any] = [
             {**service, "pid": pid}
             for pid, answer in self._gather("service.list")
             for service in answer["services"]
         ]
-        return sorted(found, key=lambda service: (service["name"], service["pid"]))  # type: ignore[return-value]
+        return sorted(found, key=lambda service: (service["name"], service["pid"]))
 
     def call(
         self,
@@ -117,12 +116,6 @@ class ServiceQuestions(Questions):
             owners.setdefault(one["name"], []).append(one["pid"])
         full, pid = self._one("service", name, owners)
         kind = next(s["type"] for s in services if (s["name"], s["pid"]) == (full, pid))
-        if service_type is not None and _full(service_type) != kind:
+        if service_type is not None and full_type(service_type, "srv") != kind:
             raise ControlError(f"service {full} is of type {kind}, not {service_type}", "invalid")
         return full, pid, kind
-
-
-def _full(service_type: str) -> str:
-    """Return the type with the part that people leave out: `std_srvs/srv/SetBool`."""
-    package, _, name = service_type.partition("/")
-    return service_type if "/" in name else f"{package}/srv/{name}"

@@ -46,14 +46,14 @@ class TopicQuestions(Questions):
         full = name if name in topics else f"/{name.lstrip('/')}"
         if full not in topics:
             # Only after a mistake.
-            from rosbase.control.names import unknown  # noqa: PLC0415 - as said
+            from rosbase.control.names import unknown
 
             raise unknown("topic", name, topics)
         return topics[full]
 
     def buses_of(self, topic: Topic) -> list[Bus]:
         """Return the groups of programs that carry a topic, and hear nothing of each other."""
-        from rosbase.control.buses import buses, on_several  # noqa: PLC0415 - seldom needed
+        from rosbase.control.buses import buses, on_several
 
         return on_several(topic, buses(self.processes()))
 
@@ -113,7 +113,7 @@ class TopicQuestions(Questions):
         Raises:
             ControlError: No program has it, or there are several places and no way to choose.
         """
-        from rosbase.control.watching import Watch  # noqa: PLC0415 - lists need it not
+        from rosbase.control.watching import Watch
 
         topic = self.topic(name)
         processes = self.processes()
@@ -124,7 +124,7 @@ class TopicQuestions(Questions):
 
     def _places(self, topic: Topic, processes: list[Process]) -> list[int]:
         """Return the processes in which to watch a topic."""
-        from rosbase.control.buses import buses, observers, on_several  # noqa: PLC0415 - as above
+        from rosbase.control.buses import buses, observers, on_several
 
         found = on_several(topic, buses(processes))
         publishing = [bus for bus in found if bus.pids & {e["pid"] for e in topic["publishers"]}]
@@ -149,12 +149,14 @@ class TopicQuestions(Questions):
 
 
 def _with_pid(ends: list[Any], pid: int) -> list[Endpoint]:
-    return [{**end, "pid": pid} for end in ends]
+    for end in ends:
+        end["pid"] = pid
+    return ends
 
 
 def _several(topic: Topic, processes: list[Process], pids: list[int]) -> ControlError:
     """Return the error for a topic of programs that do not hear each other."""
-    from rosbase.control.names import ambiguous  # noqa: PLC0415 - only after a mistake
+    from rosbase.control.names import ambiguous
 
     who = [label(process) for process in processes if process["pid"] in pids]
     return ambiguous("topic", topic["name"], who)

@@ -2,6 +2,7 @@
 
 import threading
 from functools import partial
+from importlib import import_module
 from typing import Any
 
 from rosbase.contracts.backend import Backend, Publisher
@@ -136,6 +137,8 @@ class StandardOffers:
         """Publish a step of a node if anybody listens. Called on the thread that takes it."""
         topic = f"{node}/transition_event"
         heard = self._bus.heard_type(topic)
+        if heard is None and self._bus.is_tapped(topic):
+            heard = import_module("rosbase.messages.lifecycle_msgs").TransitionEvent
         if self._is_closed or heard is None or type_name(heard) != TRANSITION_EVENT:
             return
         from rosbase.local.standard.lifecycle_answers import event_message

@@ -68,6 +68,33 @@ _SENTENCES = {
         " this process's own subscriptions"
     ),
     "backends-hear-each-other": "Backends of one world share their topics",
+    # Taps and the graph.
+    "taps-hear-what-is-published": (
+        "A tap hears each message of its topic once, in order: from publishers that were there and"
+        " from later ones, from senders, and whether there is a subscription or not"
+    ),
+    "taps-hear-what-arrives": (
+        "A tap hears a message from outside once, if a subscription of its backend gets it,"
+        " however many subscriptions there are"
+    ),
+    "taps-hear-equal-messages": (
+        "A tap hears the message that was published, or its bytes in the format of its class"
+    ),
+    "closed-taps-are-silent": (
+        "A closed tap hears nothing, the others hear on, and closing twice or after the backend is"
+        " harmless"
+    ),
+    "failing-taps-harm-nobody": (
+        "If the function of a tap raises, the message reaches everybody else, publish raises"
+        " nothing, and that tap hears nothing more"
+    ),
+    "wrong-taps-are-errors": (
+        "A tap of an invalid topic name, or of a closed backend, is a BackendError of one line"
+    ),
+    "graphs-tell-the-ends": (
+        "The graph has each publisher, subscription, service and client while it exists, with its"
+        " node, full name, type and quality of service"
+    ),
     # Quality of service.
     "depth-drops-the-oldest": (
         "At most `depth` messages wait for the callback; older ones are dropped and counted"

@@ -43,6 +43,8 @@ class BackendCapabilities:
     """It receives the log of its manager or standalone node."""
     has_services: bool = False
     """It has services and clients."""
+    has_taps: bool = False
+    """It has taps, a graph, and formats of messages."""
 
 
 class Number:

@@ -1,0 +1,349 @@
+"""The commands for running programs, against programs that run."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rosbase.control import connect
+from rosbase.errors import ControlError
+from support.command import ROSBASE
+from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
+from support.waiting import wait_until
+
+
+@pytest.fixture
+def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robots]:
+    with robots_in(tmp_path, monkeypatch) as found:
+        yield found
+
+
+def test_ps_lists_programs_with_state_rate_and_memory(robots: Robots) -> None:
+    app, listener = robots.start(APP), robots.start(LISTENER)
+    head, *rows = run("ps").splitlines()
+    assert " ".join(head.split()) == "PID PROGRAM KIND BACKEND STATE RATE TICKS OVERRUNS MEMORY UP"
+    by_name = {row.split()[1]: row.split() for row in rows}
+    assert by_name["app"][:7] == [
+        str(pid_of(app)),
+        "app",
+        "manager",
+        "local",
+        "running",
+        "100",
+        "Hz",
+    ]
+    assert by_name["listener"][:5] == [
+        str(pid_of(listener)),
+        "listener",
+        "node",
+        "local",
+        "running",
+    ]
+    found = json.loads(run("ps", "--json"))["processes"]
+    assert {one["pid"] for one in found} == {pid_of(app), pid_of(listener)}
+    assert all(one["memory_bytes"] > 1e6 for one in found)
+    assert run("ps", "-P", "listener").count("\n") == 2
+
+
+def test_nothing_runs_is_no_failure(robots: Robots) -> None:
+    assert run("ps").count("\n") == 1
+    for words in ("node list", "param list", "lifecycle nodes", "service list", "log"):
+        assert run(*words.split()) == ""
+
+
+def test_nodes_as_ros2_lists_them(robots: Robots) -> None:
+    robots.start(APP)
+    robots.start(LISTENER)
+    assert run("node", "list") == "/app\n/arm\n/listener\n"
+    assert run("node", "list", "-c") == "3\n"
+    assert run("node", "list", "--program", "app") == "/app\n/arm\n"
+
+
+def test_parameters_are_read_set_and_described_as_with_ros2(robots: Robots) -> None:
+    robots.start(APP)
+    assert run("param", "list", "app") == "  robot.names\n  robot.speed\n"
+    assert run("param", "list") == "/app:\n  robot.names\n  robot.speed\n/arm:\n"
+    assert run("param", "list", "app", "--param-type") == (
+        "  robot.names (type: string array)\n  robot.speed (type: double)\n"
+    )
+    assert run("param", "get", "/app", "robot.speed") == "Double value is: 1.5\n"
+    assert run("param", "get", "robot", "speed", "--hide-type") == "1.5\n"
+    assert run("param", "get", "app", "robot.names") == "String values are: ['a', 'b']\n"
+    assert run("param", "set", "app", "robot.speed", "2") == "Set parameter successful\n"
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 2.0\n"
+    assert run("param", "describe", "app", "robot.speed") == (
+        "Parameter name: robot.speed\n  Type: double\n  Constraints:\n"
+    )
+
+
+def test_a_parameter_that_is_not_set_is_told_and_status_1(robots: Robots) -> None:
+    robots.start(APP)
+    out, err = run_both("param", "set", "app", "robot.speed", "fast", status=1)
+    assert out == ""
+    assert err.startswith("Setting parameter failed: ")
+    out, err = run_both("param", "set", "app", "robot.speed", "3", "robot.nmes", "[x]", status=1)
+    assert out == "robot.speed: Set parameter successful\n"
+    assert err.startswith("robot.nmes: Setting parameter failed: ")
+    out, err = run_both(
+        "param", "set", "--atomic", "app", "robot.speed", "4", "robot.nmes", "[x]", status=1
+    )
+    assert out == ""
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 3.0\n"
+    assert "robot.nmes" in run("param", "get", "app", "robot.nmes", status=1)
+
+
+def test_what_dump_prints_is_what_load_and_a_program_take(robots: Robots, tmp_path: Path) -> None:
+    pytest.importorskip("yaml")
+    robots.start(APP)
+    run("param", "set", "app", "robot.speed", "0.25", "robot.names", "[x, 'on', '1']")
+    text = run("param", "dump", "app")
+    assert text == (
+        "/app:\n  ros__parameters:\n    robot:\n"
+        "      names:\n      - x\n      - 'on'\n      - '1'\n      speed: 0.25\n\n"
+    )
+    file = tmp_path / "app.yaml"
+    file.write_text(text)
+    run("param", "set", "app", "robot.speed", "9", "robot.names", "[]")
+    assert run("param", "load", "app", str(file)) == (
+        "Set parameter robot.names successful\nSet parameter robot.speed successful\n"
+    )
+    assert run("param", "dump", "app") == text
+    run("stop", "app")
+    wait_until(lambda: run("node", "list") == "", "the end")
+    source = tmp_path / "again.py"
+    source.write_text(APP)
+    with subprocess.Popen(
+        [ROSBASE, "run", str(source), "--params-file", str(file)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as again:
+        try:
+            assert again.stdout is not None
+            assert again.stdout.readline() == "ready\n"
+            assert run("param", "dump", "app") == text
+        finally:
+            again.terminate()
+            again.communicate()
+
+
+def test_a_file_of_toml_is_loaded_and_its_mistakes_are_told(robots: Robots, tmp_path: Path) -> None:
+    robots.start(APP)
+    file = tmp_path / "app.toml"
+    file.write_text("[robot]\nspeed = 7\n")
+    assert run("param", "load", "app", str(file)) == "Set parameter robot.speed successful\n"
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 7.0\n"
+    file.write_text('[robot]\nspeed = "fast"\n')
+    assert "robot.speed" in run("param", "load", "app", str(file), status=1)
+    assert "No such file" in run("param", "load", "app", "/no/such.toml", status=2)
+
+
+def test_transitions_run_as_with_ros2(robots: Robots) -> None:
+    robots.start(APP)
+    assert run("lifecycle", "nodes") == "/arm\n"
+    assert run("lifecycle", "get") == "/arm: unconfigured [1]\n"
+    assert run("lifecycle", "get", "arm") == "unconfigured [1]\n"
+    assert run("lifecycle", "list", "/arm") == (
+        "- configure [1]\n\tStart: unconfigured\n\tGoal: configuring\n"
+        "- shutdown [5]\n\tStart: unconfigured\n\tGoal: shuttingdown\n"
+    )
+    assert run("lifecycle", "set", "arm", "configure") == "Transitioning successful\n"
+    assert run("lifecycle", "set", "arm", "3") == "Transitioning successful\n"
+    assert run("lifecycle", "get", "arm") == "active [3]\n"
+
+
+def test_a_transition_that_is_not_offered_is_refused_with_those_that_are(robots: Robots) -> None:
+    robots.start(APP)
+    err = run("lifecycle", "set", "arm", "activate", status=1)
+    assert err.endswith(
+        "Unknown transition requested, available ones are:\n- configure [1]\n- shutdown [5]\n"
+    )
+
+
+def test_the_log_of_all_programs_is_printed_in_the_format_of_ros(robots: Robots) -> None:
+    robots.start(APP)
+    lines = [line for line in run("log", "--level", "warn").splitlines() if "five ticks" in line]
+    assert len(lines) == 1
+    assert lines[0].startswith("[WARN] [")
+    assert lines[0].endswith("] [app]: five ticks")
+    assert run("log", "-n", "1").count("\n") == 1
+    assert "not one of debug" in run("log", "-l", "loud", status=2)
+
+
+def test_the_log_is_followed_until_the_end_of_the_program(robots: Robots) -> None:
+    robots.start(APP)
+    following = robots.start_command("log", "-f", "--level", "info")
+    wait_until(
+        lambda: following.stdout is not None and "five ticks" in following.stdout.readline(),
+        "the record in memory",
+    )
+    run("lifecycle", "set", "arm", "configure")
+    run("stop", "app")
+    rest, _ = following.communicate(timeout=20)
+    assert following.returncode == 0
+    assert "]: configured the arm\n" in rest
+
+
+def test_statistics_tell_ticks_and_times(robots: Robots) -> None:
+    app = robots.start(APP)
+    text = run("stats", "app")
+    assert text.startswith(f"app [{pid_of(app)}]: ")
+    assert " ticks at 100 Hz, " in text
+    assert "\nperiod " in text
+    assert "\nbusy " in text
+    assert len(text.splitlines()) < 45
+    assert json.loads(run("stats", "--json"))[0]["ticks"] > 5
+
+
+def test_stop_ends_a_program_in_order(robots: Robots) -> None:
+    app = robots.start(APP)
+    assert run("stop", "app") == f"stopping app [{pid_of(app)}]\n"
+    assert app.end()[0] == 0
+    assert "no program app" in run("stop", "app", status=1)
+
+
+def test_stop_takes_a_pid(robots: Robots) -> None:
+    app = robots.start(APP)
+    run("stop", str(pid_of(app)))
+    assert app.end()[0] == 0
+
+
+def test_two_programs_of_one_name_are_told_apart_by_their_pids(robots: Robots) -> None:
+    first, second = robots.start(APP), robots.start(APP)
+    pids = sorted([pid_of(first), pid_of(second)])
+    err = run("stop", "app", status=1)
+    assert f"2 programs are named app: app [{pids[0]}], app [{pids[1]}]" in err
+    err = run("param", "get", "app", "robot.speed", status=1)
+    assert "node /app is in 2 programs" in err
+    assert "--program" in err
+    assert run("param", "get", "app", "robot.speed", "-P", str(pids[1])).endswith("1.5\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        ("param get ap robot.speed", "no node ap; did you mean /app?"),
+        ("node info rbot", "no node rbot"),
+        ("lifecycle get am", "no lifecycle node am; did you mean /arm?"),
+        ("stop appp", "no program appp; did you mean app?"),
+        ("restart app", "no program of rosbase up app; there is no program of rosbase up at all"),
+        ("ps -P 999999999", "no program 999999999 runs"),
+        ("ps -P lisener", "no program lisener"),
+    ],
+)
+def test_an_unknown_name_is_told_with_what_was_meant(robots: Robots, words: str, text: str) -> None:
+    robots.start(APP)
+    assert text in run(*words.split(), status=1)
+
+
+@pytest.mark.parametrize(
+    "words", ["topic", "topic fly", "param set app x", "ps --fast", "log -n x"]
+)
+def test_a_wrong_command_line_is_one_line_and_status_2(robots: Robots, words: str) -> None:
+    assert run(*words.split(), status=2).count("\n") == 1
+
+
+def test_a_program_that_does_not_answer_costs_a_second_and_is_named(robots: Robots) -> None:
+    robots.start(APP)
+    other = robots.start(LISTENER)
+    os.kill(pid_of(other), signal.SIGSTOP)
+    try:
+        out, err = run_both("node", "list")
+    finally:
+        os.kill(pid_of(other), signal.SIGCONT)
+    assert out == "/app\n/arm\n"
+    assert err == f"rosbase: process {pid_of(other)} does not answer\n"
+
+
+def test_a_stale_socket_is_removed_and_not_spoken_of(robots: Robots) -> None:
+    folder = Path(os.environ["XDG_RUNTIME_DIR"], "rosbase")
+    folder.mkdir(mode=0o700)
+    stale = folder / "999999999.sock"
+    with socket.socket(socket.AF_UNIX) as left:
+        left.bind(str(stale))
+    assert run("node", "list") == ""
+    assert not stale.exists()
+
+
+def test_a_program_that_was_killed_is_not_spoken_of(robots: Robots) -> None:
+    app = robots.start(APP)
+    app.process.kill()
+    app.end()
+    assert run("node", "list") == ""
+
+
+@pytest.mark.parametrize("noise", [b"", b"hello\n", b'{"protocol": 2}\n', b"\xff" * 100])
+def test_something_else_that_listens_there_is_named(robots: Robots, noise: bytes) -> None:
+    folder = Path(os.environ["XDG_RUNTIME_DIR"], "rosbase")
+    folder.mkdir(mode=0o700)
+    with socket.socket(socket.AF_UNIX) as other:
+        other.bind(str(folder / f"{os.getpid()}.sock"))
+        other.listen()
+        command = robots.start_command("node", "list")
+        connection, _ = other.accept()
+        with connection:
+            connection.sendall(noise)
+            out, err = command.communicate(timeout=20)
+    assert (command.returncode, out) == (0, "")
+    assert str(os.getpid()) in err
+    assert err.count("\n") == 1
+
+
+def test_head_ends_a_command_quietly(robots: Robots) -> None:
+    robots.start(APP)
+    reading, writing = os.pipe()
+    command = subprocess.Popen(
+        [ROSBASE, "log", "-f"], stdout=writing, stderr=subprocess.PIPE, text=True
+    )
+    os.close(writing)
+    with command:
+        assert os.read(reading, 10)
+        os.close(reading)
+        run("stop", "app")
+        _, err = command.communicate(timeout=20)
+    assert (command.returncode, err) == (0, "")
+
+
+def test_ctrl_c_ends_a_command_with_status_130_and_no_traceback(robots: Robots) -> None:
+    robots.start(APP)
+    command = robots.start_command("log", "-f")
+    assert command.stdout is not None
+    assert command.stdout.readline()
+    command.send_signal(signal.SIGINT)
+    _, err = command.communicate(timeout=20)
+    assert (command.returncode, err) == (130, "")
+
+
+def test_the_python_api_answers_what_the_commands_print(robots: Robots) -> None:
+    app = robots.start(APP)
+    with connect() as fleet:
+        assert [p["pid"] for p in fleet.processes()] == [pid_of(app)]
+        assert [n["name"] for n in fleet.nodes() if n["key"] != "robot"] == ["/app", "/arm"]
+        assert fleet.get_parameters("app", ["robot.speed"]) == {"robot.speed": 1.5}
+        result = fleet.set_parameters("app", {"robot.speed": 2.5, "robot.names": ["x"]})
+        assert all(one["successful"] for one in result.values())
+        assert fleet.get_parameters("robot") == {"names": ["x"], "speed": 2.5}
+        assert fleet.describe_parameters("app", ["robot.speed"])["robot.speed"]["type"] == "double"
+        assert fleet.change_state("arm", "configure")["successful"]
+        assert fleet.lifecycle_state("arm")["state"] == "inactive"
+        assert "cleanup" in [t["label"] for t in fleet.transitions("arm")]
+        assert fleet.statistics()[0]["ticks"] > 0
+        assert any(record["text"] == "five ticks" for record in fleet.log(level=30))
+        with pytest.raises(ControlError) as caught:
+            fleet.change_state("arm", "configure")
+        assert caught.value.kind == "refused"
+        fleet.stop("app")
+    assert app.end()[0] == 0
+
+
+def test_connect_to_a_program_that_does_not_run_raises(robots: Robots) -> None:
+    robots.start(APP)
+    connect("app")
+    with pytest.raises(ControlError, match="did you mean app") as caught:
+        connect("ap")
+    assert (caught.value.kind, caught.value.suggestions) == ("unknown", ["app"])
