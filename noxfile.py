@@ -320,6 +320,16 @@ def signals(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def launcher(session: nox.Session) -> None:
+    """Fifty programs up and down twenty times, with SIGKILL at random moments: some ten minutes."""
+    session.install(*TEST_TOOLS)
+    _install(session, "rosbase-core")
+    runs = {"ROSBASE_LAUNCHER_RUNS": "20", "ROSBASE_LAUNCHER_PROGRAMS": "50"}
+    test = "tests/core/test_launcher_campaign.py"
+    session.run("pytest", "-q", test, *session.posargs, env=runs)
+
+
+@nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     # The loop beside which `precise_loop` puts ours.
