@@ -286,7 +286,7 @@ def test_what_does_not_run_stops_at_once(state: str) -> None:
 def test_in_any_order_of_events_starts_follow_and_stops_precede_what_they_depend_on(
     after: dict[str, list[str]], chance: Any
 ) -> None:
-    conditions = {n: {o: "handshake" for o in others} for n, others in after.items()}
+    conditions = {n: dict.fromkeys(others, "handshake") for n, others in after.items()}
     notes = Notes(*programs(**{n: {"after": c} for n, c in conditions.items()}))
     ready: set[str] = set()
     running: list[str] = []

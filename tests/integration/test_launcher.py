@@ -5,13 +5,19 @@ import re
 import signal
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
 
 from rosbase.launcher.description import Description, Faults, read_mapping, read_text
+from rosbase.launcher.description.model import ConditionKind
+from rosbase.launcher.description.programs import PROGRAM_KEYS, RESTART_KEYS
+from rosbase.launcher.description.sessions import ENV_KEYS
 from rosbase.processes.proc import read_of
+from support.code_blocks import BLOCKS, ROOT, write_files
 from support.command import ROSBASE
 from support.launching import OwnTmux, has_tmux, own_tmux, up
 from support.processes import parent_of
@@ -44,7 +50,7 @@ sessions:                       # or one session at the root, without this list
         command: "echo never"
 """
 # The same without the list.
-ROOT = "\n".join(line[4:] for line in SESSIONS.splitlines()[1:]) + "\n"
+AT_THE_ROOT = "\n".join(line[4:] for line in SESSIONS.splitlines()[1:]) + "\n"
 SCRIPT = 'from rosbase import BaseLauncher\nBaseLauncher("robot.yaml").launch()\n'
 
 # As the real one, it prints a function that changes the environment of the shell.
@@ -95,7 +101,7 @@ def last_cpu() -> int:
 
 
 @pytest.mark.parametrize("script", ["", SCRIPT], ids=["rosbase up", "BaseLauncher"])
-@pytest.mark.parametrize("text", [SESSIONS, ROOT], ids=["sessions", "root"])
+@pytest.mark.parametrize("text", [SESSIONS, AT_THE_ROOT], ids=["sessions", "root"])
 def test_a_file_of_ros_base_runs_as_it_is(home: Path, text: str, script: str) -> None:
     text = text.replace("CPU", str(last_cpu()))
     with up(home, text, name="robot.yaml", script=script, environment=surroundings(home)) as (
@@ -114,15 +120,16 @@ def test_a_file_of_ros_base_runs_as_it_is(home: Path, text: str, script: str) ->
 
 @needs_tmux
 @pytest.mark.parametrize("script", ["", SCRIPT], ids=["rosbase up", "BaseLauncher"])
-@pytest.mark.parametrize("text", [SESSIONS, ROOT], ids=["sessions", "root"])
+@pytest.mark.parametrize("text", [SESSIONS, AT_THE_ROOT], ids=["sessions", "root"])
 def test_a_file_of_ros_base_runs_in_panes(
     home: Path, tmux: OwnTmux, text: str, script: str
 ) -> None:
     text = text.replace("CPU", str(last_cpu()))
     environment = surroundings(home) | tmux.environment
-    with up(
-        home, text, "--tmux", name="robot.yaml", script=script, environment=environment
-    ) as (launcher, token):
+    with up(home, text, "--tmux", name="robot.yaml", script=script, environment=environment) as (
+        launcher,
+        token,
+    ):
         (home / "work/controller/run.py").write_text(RUN.replace("TOKEN", token.text))
         assert launcher.end() == 0
         assert launcher.said == ["demo_system: tmux attach -t demo_system"]
@@ -209,9 +216,7 @@ def test_ctrl_c_in_a_pane_stops_that_program_for_good(tmp_path: Path, tmux: OwnT
 
 @needs_tmux
 @pytest.mark.parametrize("victim", ["launcher", "server", "guardian", "pane"])
-def test_whoever_is_killed_no_process_is_left(
-    tmp_path: Path, tmux: OwnTmux, victim: str
-) -> None:
+def test_whoever_is_killed_no_process_is_left(tmp_path: Path, tmux: OwnTmux, victim: str) -> None:
     text = SLEEPERS.replace('"exec sleep TOKEN"', '"setsid sleep TOKEN & sleep TOKEN"')
     text = text.replace("{limit: 1, backoff_s: 0}", "never")
     with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
@@ -239,15 +244,17 @@ def test_a_session_of_that_name_is_replaced_after_its_programs_have_ended(
     tmp_path: Path, tmux: OwnTmux
 ) -> None:
     # Each refuses to run beside another one.
-    alone = "mkdir one || exit 9; trap 'sleep 0.3; rmdir one; exit' INT; echo up; sleep TOKEN & wait"
-    text = f"env: {{session_name: demo}}\nnodes: [{{name: a, command: \"{alone}\"}}]\n"
+    alone = (
+        "mkdir one || exit 9; trap 'sleep 0.3; rmdir one; exit' INT; echo up; sleep TOKEN & wait"
+    )
+    text = f'env: {{session_name: demo}}\nnodes: [{{name: a, command: "{alone}"}}]\n'
     tmux("new-session", "-d", "-s", "demo", "-n", "OTHER", "sleep 100")
-    options = {"name": "robot.yaml", "environment": tmux.environment}
-    with up(tmp_path, text, "--tmux", **options) as (first, _):
+    start = partial(up, tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment)
+    with start() as (first, _):
         assert first.end() == 0
         wait_until(lambda: "up" in tmux.text("demo", 0), "its start")
         [before] = launchers(tmp_path)
-        with up(tmp_path, text, "--tmux", **options) as (second, _):
+        with start() as (second, _):
             assert second.end() == 0
             wait_until(lambda: "up" in tmux.text("demo", 0), "its start")
             assert tmux("list-windows", "-t", "demo", "-F", "#W").split() == ["MAIN"]
@@ -341,6 +348,30 @@ def test_a_mistake_of_yaml_is_named_with_its_line(text: str, fault: str) -> None
     faults = Faults("robot.yaml")
     read_text(text, Path("/here/robot.yaml"), faults)
     assert any(str(one).startswith(fault) for one in faults.in_order()), faults.in_order()
+
+
+def test_the_page_on_launching_runs_as_it_is_written(tmp_path: Path) -> None:
+    page = ROOT / "docs/how-to/launch.md"
+    write_files(page, tmp_path, "")
+    shown = next(block for block in BLOCKS.values() if block.page == page and block.kind == "text")
+    for name in ("robot", "order"):
+        text = (tmp_path / f"{name}.yaml").read_text()
+        with up(tmp_path, text, name=f"{name}.yaml") as (launcher, _):
+            if name == "order":
+                launcher.waits_for("UI * starting")
+                assert launcher.end(signal.SIGINT) == 0
+            else:
+                assert launcher.end() == 0
+                expected = [" ".join(line.split()) for line in shown.text.splitlines()]
+                assert [line for line in launcher.said if "INFO" not in line] == expected
+
+
+def test_the_page_on_launching_names_every_key_and_every_condition() -> None:
+    page = (ROOT / "docs/how-to/launch.md").read_text()
+    rows = {line.split("`")[1] for line in page.splitlines() if line.startswith("| `")}
+    keys = {*PROGRAM_KEYS, *RESTART_KEYS, *ENV_KEYS}
+    conditions = {"log: PATTERN", *get_args(ConditionKind)} - {"log"}
+    assert rows == keys | conditions
 
 
 def test_a_conda_environment_that_does_not_exist_is_a_mistake(home: Path) -> None:

@@ -122,10 +122,7 @@ if TYPE_CHECKING:
     from rosbase.imu.simulator import (
         ImuSimulator,
     )
-    from rosbase.launcher import (
-        BaseLauncher,
-        LaunchFileError,
-    )
+    from rosbase.launcher import BaseLauncher
     from rosbase.lifecycle import (
         CallbackReturn,
         ManagedNode,
@@ -277,7 +274,6 @@ __all__ = [
     "ImuReader",
     "ImuSimulator",
     "Latest",
-    "LaunchFileError",
     "LifecycleNode",
     "LifecyclePublisher",
     "LineFramer",
@@ -430,7 +426,6 @@ _HOMES = {
     "ImuReader": "rosbase.imu.reader",
     "ImuSimulator": "rosbase.imu.simulator",
     "Latest": "rosbase.roles.latest",
-    "LaunchFileError": "rosbase.launcher",
     "LifecycleNode": "rosbase.roles.lifecycle_node",
     "LifecyclePublisher": "rosbase.roles.lifecycle_node",
     "LineFramer": "rosbase.framing",

@@ -60,10 +60,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 class BaseLauncher:
     """Starts the programs of a file, and stops them all together.
 
-    A script of a few lines beside the file makes a launcher of its own:
-
-        BaseLauncher("robot.yaml").launch()
-
+    `BaseLauncher("robot.yaml").launch()` in a script beside the file makes a launcher of its own.
     The script takes the options of `rosbase up` from its command line: `--enable NAME...`,
     `--disable NAME...`, `--tmux` and `--check`.
     """

@@ -1,13 +1,6 @@
 """Decide which program starts, stops or starts again, and when.
 
 This module starts nothing and reads no clock: `Hands` do the first, and events bring the time.
-
-    disabled ──restart──┐
-                        v
-    waiting ──ready──> running ──end──> ended, failed
-       │                │  ^  └──end, and the policy says so──> restarting ──due──> running
-       │                │  └──restart──────────────┐
-       └──stop──────────┴──stop──> stopping ──end──┴──> stopped
 """
 
 import logging
@@ -22,6 +15,12 @@ from rosbase.processes.restart import Restarts
 
 __all__ = ["Entry", "Fleet", "Hands", "State"]
 
+# disabled ──restart──┐
+#                     v
+# waiting ──ready──> running ──end──> ended, failed
+#    │                │  ^  └──end, and the policy says so──> restarting ──due──> running
+#    │                │  └──restart──────────────┐
+#    └──stop──────────┴──stop──> stopping ──end──┴──> stopped
 State: TypeAlias = Literal[
     "disabled", "waiting", "running", "restarting", "stopping", "stopped", "ended", "failed"
 ]

@@ -15,14 +15,15 @@ from rosbase.parameters.given import GivenValue
 from rosbase.processes.restart import RestartPolicy, RestartWhen
 from rosbase.text.printable import printable
 
-__all__ = ["PROGRAM_KEYS", "read_program"]
+__all__ = ["PROGRAM_KEYS", "RESTART_KEYS", "read_program"]
 
 PROGRAM_KEYS = (
     *("name", "project", "command", "cpus", "autostart", "env", "restart", "required"),
     *("after", "after_timeout_s", "parameters", "backend", "pty"),
 )
 """Keys of a program."""
-_RESTART_KEYS = ("policy", "limit", "backoff_s", "longest_backoff_s", "stable_s")
+RESTART_KEYS = ("policy", "limit", "backoff_s", "longest_backoff_s", "stable_s")
+"""Keys of `restart`."""
 _POLICIES: tuple[RestartWhen, ...] = get_args(RestartWhen)
 _NAME = re.compile(r"[^\s/:,-][^\s/:,]*")
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
@@ -117,7 +118,7 @@ def _restart(fields: Fields, faults: Faults) -> RestartPolicy:
         return RestartPolicy()
     if not isinstance(value.data, dict):
         return RestartPolicy(_policy(fields, "restart", value))
-    inner = Fields(value, "restart", _RESTART_KEYS, faults)
+    inner = Fields(value, "restart", RESTART_KEYS, faults)
     usual = RestartPolicy()
     first_s = inner.number("backoff_s", usual.first_delay_s)
     return RestartPolicy(

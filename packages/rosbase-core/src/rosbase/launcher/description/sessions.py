@@ -13,10 +13,11 @@ from rosbase.launcher.description.tree import Faults, Value
 from rosbase.parameters.checking import did_you_mean
 from rosbase.text.printable import printable
 
-__all__ = ["read_description"]
+__all__ = ["ENV_KEYS", "read_description"]
 
 _SESSION_KEYS = ("env", "nodes")
-_ENV_KEYS = ("session_name", "workspace_root", "ros_setup", "conda_env")
+ENV_KEYS = ("session_name", "workspace_root", "ros_setup", "conda_env")
+"""Keys of the `env` of a session."""
 # A window of tmux is called session:window.pane.
 _AS_TMUX = str.maketrans(".: ", "___")
 
@@ -54,7 +55,7 @@ def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Sess
 
 def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -> Session:
     fields = Fields(value, what, _SESSION_KEYS, faults)
-    env = Fields(fields.value("env") or Value({}, fields.line), "env", _ENV_KEYS, faults)
+    env = Fields(fields.value("env") or Value({}, fields.line), "env", ENV_KEYS, faults)
     name = env.text("session_name", stem).translate(_AS_TMUX) or stem
     workspace = folder / Path(env.text("workspace_root", ".")).expanduser()
     nodes = fields.items("nodes", "a list of programs")

@@ -1,4 +1,4 @@
-"""What the user sees of a run: lines of output, and the states of the programs."""
+"""The terminal of a run: lines of output, and the states of the programs."""
 
 from rosbase.launcher.display.terminal import Terminal
 

@@ -87,12 +87,12 @@ class Tmux:
 
     def note(self, session: str, name: str, value: str) -> None:
         """Keep a value with a session."""
-        self.run("set-environment", "-t", f"={session}", name, value)
+        self.run("set-option", "-t", f"={session}:", f"@{name}", value)
 
     def noted(self, session: str, name: str) -> str:
         """Return a value kept with a session; empty if there is none."""
-        done = self._call("show-environment", "-t", f"={session}", name)
-        return done.stdout.strip().partition("=")[2] if done.returncode == 0 else ""
+        done = self._call("show-options", "-v", "-t", f"={session}:", f"@{name}")
+        return done.stdout.strip() if done.returncode == 0 else ""
 
     def run(self, *words: str) -> str:
         """Run a command of tmux, and return its output.

@@ -77,7 +77,7 @@ class Panes:
             else:
                 pane = self._tmux.new_session(program.session, folder, f"exec {command}")
                 self._sessions.add(program.session)
-                self._tmux.note(program.session, "ROSBASE_UP", str(os.getpid()))
+                self._tmux.note(program.session, "rosbase_launcher", str(os.getpid()))
             self._tmux.name_pane(pane, program.name)
             self._panes[program.key] = pane
 

@@ -20,7 +20,7 @@ def end_session(tmux: Tmux, session: str) -> None:
     """
     if not tmux.has_session(session):
         return
-    noted = tmux.noted(session, "ROSBASE_UP")
+    noted = tmux.noted(session, "rosbase_launcher")
     if noted.isdecimal() and int(noted) != os.getpid():
         _end_launcher(int(noted))
     tmux.kill_session(session)
