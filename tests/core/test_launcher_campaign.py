@@ -80,7 +80,7 @@ def test_whatever_is_killed_at_random_moments_leaves_nothing(tmp_path: Path) -> 
                 _kill_one(chance, launcher, token)
             wait_until(lambda: not _zombies(launcher), "no zombie")
             assert launcher.end(signal.SIGINT) in (0, 1)
-            assert not token.bearers()
+            assert not token.bearers(), launcher.said[-200:]
     # A program that was killed has left its socket, and the next start removes it.
     with up(tmp_path, '[[nodes]]\nname = "last"\ncommand = "sleep 0.5"\n') as (launcher, _):
         assert launcher.end() == 0

@@ -133,9 +133,7 @@ def test_a_file_of_ros_base_runs_in_panes(
         (home / "work/controller/run.py").write_text(RUN.replace("TOKEN", token.text))
         assert launcher.end() == 0
         assert launcher.said == ["demo_system: tmux attach -t demo_system"]
-        wait_until(
-            lambda: tmux.panes("demo_system") == {"LOW_LEVEL": "", "VISION": "0"}, "both panes"
-        )
+        tmux.waits_for("demo_system", {"LOW_LEVEL": "", "VISION": "0"})
         wait_until(lambda: f"cpus [{last_cpu()}]" in tmux.text("demo_system", 0), "its CPUs")
         assert tmux("list-windows", "-t", "demo_system", "-F", "#W").split() == ["MAIN"]
         assert f"low jazzy robot {home}/work/controller" in tmux.text("demo_system", 0)
@@ -180,7 +178,7 @@ def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
         token,
     ):
         assert launcher.end() == 0
-        wait_until(lambda: tmux.panes("demo") == {"a": "", "b": "", "crash": "3"}, "the crash")
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "3"})
         text = tmux.text("demo", 2)
         assert text.count("last words") == 2
         assert "[rosbase] ended with status 3" in text
@@ -190,8 +188,7 @@ def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
         os.kill(background, signal.SIGTERM)
         token.wait_until_gone()
         # The panes stay, for whoever wants to read them.
-        wait_until(lambda: all(tmux.panes("demo").values()), "the end of all panes")
-        assert list(tmux.panes("demo")) == ["a", "b", "crash"]
+        tmux.waits_for("demo", {"a": "130", "b": "130", "crash": "3"})
         wait_until_gone(tmp_path)
 
 
@@ -205,7 +202,7 @@ def test_ctrl_c_in_a_pane_stops_that_program_for_good(tmp_path: Path, tmux: OwnT
         assert launcher.end() == 0
         token.wait_for_sleepers(3)
         tmux("send-keys", "-t", "demo:MAIN.2", "C-c")
-        wait_until(lambda: tmux.panes("demo")["crash"] == "130", "its end")
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "130"})
         assert len(token.wait_for_sleepers(2)) == 2
         tmux("kill-pane", "-t", "demo:MAIN.0")
         token.wait_for_sleepers(1)
@@ -225,7 +222,7 @@ def test_whoever_is_killed_no_process_is_left(tmp_path: Path, tmux: OwnTmux, vic
     ):
         assert launcher.end() == 0
         token.wait_for_sleepers(3)
-        wait_until(lambda: tmux.panes("demo").get("crash") == "3", "the crash")
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "3"})
         [background] = launchers(tmp_path)
         if victim in ("launcher", "server"):
             os.kill(background if victim == "launcher" else tmux.server(), signal.SIGKILL)

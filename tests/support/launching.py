@@ -122,6 +122,14 @@ class OwnTmux:
         listed = self("list-panes", "-s", "-t", f"={session}", "-F", form)
         return dict(line.rpartition("=")[::2] for line in listed.splitlines())
 
+    def waits_for(self, session: str, panes: dict[str, str]) -> None:
+        """Returns when the session has these panes, with these statuses."""
+        try:
+            wait_until(lambda: self.panes(session) == panes, f"{panes}", 40)
+        except AssertionError as error:
+            texts = [self.text(session, number) for number in range(len(self.panes(session)))]
+            raise AssertionError(f"{error}, not only {self.panes(session)} {texts}") from None
+
     def text(self, session: str, number: int) -> str:
         """What a pane shows, and what has been scrolled away."""
         return self("capture-pane", "-p", "-S", "-200", "-t", f"{session}:MAIN.{number}")

@@ -73,6 +73,19 @@ class Tmux:
         """Run a command in a pane whose command has ended."""
         self.run("respawn-pane", "-t", pane.number, command)
 
+    def is_alive(self, pane: Pane) -> bool:
+        """Return whether a pane exists and its command runs."""
+        done = self._call("display-message", "-p", "-t", pane.number, "#{pane_id} #{pane_dead}")
+        return done.stdout.strip() == f"{pane.number} 0"
+
+    def look_for_ends(self) -> None:
+        """Have tmux look for commands that have ended, by running one more that ends.
+
+        On a busy machine, tmux 3.3 may miss the end of a command. Its pane then has no status
+        until tmux hears of another end.
+        """
+        self._call("run-shell", "-b", "true")
+
     def copy_output(self, pane: Pane, command: str) -> None:
         """Give the output of a pane to the shell command as well."""
         self.run("pipe-pane", "-t", pane.number, command)

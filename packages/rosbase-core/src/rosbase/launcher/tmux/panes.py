@@ -24,6 +24,8 @@ __all__ = ["Panes", "opened"]
 _PANE_SCRIPT = str(Path(__file__).with_name("pane.py"))
 _PREFIX = "rosbase-up-"
 _PATIENCE_NS = 10_000_000_000
+_LOOK_AGAIN_S = 0.05
+_ANSWER_S = 10.0
 _MOST_KEY_BYTES = 4096
 
 
@@ -38,8 +40,13 @@ class Panes:
         self._lock = threading.RLock()
         self._panes: dict[str, Pane] = {}
         self._sessions: set[str] = set()
-        # Panes that wait for an order.
+        # New connections, and panes that wait for an order.
+        self._nameless: list[socket.socket] = []
         self._waiting: dict[str, socket.socket] = {}
+        # Statuses for the scripts that are to end as soon as they connect again.
+        self._ends: dict[str, int] = {}
+        # Programs whose scripts are ending; tmux is to notice.
+        self._ending: set[str] = set()
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(folder / "panes"))
         self._listener.listen(64)
@@ -48,8 +55,9 @@ class Panes:
     def close(self) -> None:
         """Stop listening; the panes that wait end."""
         with self._lock:
-            for connection in self._waiting.values():
+            for connection in [*self._nameless, *self._waiting.values()]:
                 connection.close()
+            self._nameless.clear()
             self._waiting.clear()
             self._listener.close()
 
@@ -87,34 +95,50 @@ class Panes:
         Raises:
             OSError: tmux refuses, or the pane does not come.
         """
+        key = program.key
         ends_ns = self._clock.monotonic_ns() + _PATIENCE_NS
         with self._lock:
+            self._ends.pop(key, None)
+            self._ending.discard(key)
+            self._accept()
             self._drop_closed()
-            if program.key not in self._waiting and not self._comes_soon(program.key):
+            if key not in self._waiting and not self._is_alive(key):
                 self.open(program)
-            while program.key not in self._waiting:
-                left_ns = ends_ns - self._clock.monotonic_ns()
-                if left_ns <= 0:
-                    raise OSError("its pane does not answer")
-                select.select([self._listener], [], [], min(0.1, left_ns / 1e9))
+        while self._clock.monotonic_ns() < ends_ns:
+            with self._lock:
                 self._accept()
-            return self._waiting.pop(program.key)
+                if key in self._waiting:
+                    return self._waiting.pop(key)
+            select.select([self._listener], [], [], _LOOK_AGAIN_S)
+        raise OSError("its pane does not answer")
 
     def finish(self, key: str, status: int) -> None:
         """End the script in a pane, which stays readable and shows the status."""
         with self._lock:
+            self._ends[key] = status
             self._accept()
-            connection = self._waiting.pop(key, None)
-            if connection is None and self._comes_soon(key):
-                connection = self._waiting.pop(key, None)
-            if connection is not None:
-                with connection:
-                    give(connection, {"end": status})
+            self._tell_ends()
+
+    def drain(self) -> None:
+        """Wait until the scripts that are to end have been told so, for a limited time."""
+        ends_ns = self._clock.monotonic_ns() + _PATIENCE_NS
+        while self._clock.monotonic_ns() < ends_ns:
+            with self._lock:
+                self._accept()
+                self._tell_ends()
+                if not any(self._is_alive(key) for key in [*self._ends, *self._ending]):
+                    break
+            select.select([self._listener], [], [], _LOOK_AGAIN_S)
+        self._tmux.look_for_ends()
 
     def closed(self) -> list[str]:
         """Return the keys of the panes that were closed while they waited for an order."""
         with self._lock:
             self._accept()
+            self._tell_ends()
+            if self._ending and not any(map(self._is_alive, self._ending)):
+                self._ending.clear()
+                self._tmux.look_for_ends()
             return self._drop_closed()
 
     def write(self, key: str, line: str) -> None:
@@ -152,27 +176,38 @@ class Panes:
             raise
         return output
 
-    def _comes_soon(self, key: str) -> bool:
-        """Return whether the script in a pane has just ended a run, and connects again."""
+    def _is_alive(self, key: str) -> bool:
+        """Return whether the script in a pane runs; it may be about to connect again."""
         pane = self._panes.get(key)
-        if pane is None:
-            return False
-        ends_ns = self._clock.monotonic_ns() + _PATIENCE_NS // 10
-        while key not in self._waiting and self._clock.monotonic_ns() < ends_ns:
-            state = self._tmux.run("display-message", "-p", "-t", pane.number, "#{pane_dead}")
-            if state.strip() != "0":
-                return False
-            select.select([self._listener], [], [], 0.1)
-            self._accept()
-        return key in self._waiting
+        return pane is not None and self._tmux.is_alive(pane)
+
+    def _tell_ends(self) -> None:
+        for key in self._ends.keys() & self._waiting.keys():
+            with self._waiting.pop(key) as connection:
+                give(connection, {"end": self._ends.pop(key)})
+            self._ending.add(key)
 
     def _accept(self) -> None:
         while True:
             try:
                 connection, _ = self._listener.accept()
             except OSError:
-                return
-            key = _read_line(connection, 1.0).decode(errors="replace")
+                break
+            connection.settimeout(0.0)
+            self._nameless.append(connection)
+        self._learn_names()
+
+    def _learn_names(self) -> None:
+        """Read the keys that new connections have sent by now."""
+        nameless, self._nameless = self._nameless, []
+        for connection in nameless:
+            try:
+                key = connection.recv(_MOST_KEY_BYTES).decode(errors="replace").rstrip("\n")
+            except BlockingIOError:
+                self._nameless.append(connection)
+                continue
+            except OSError:
+                key = ""
             old = self._waiting.pop(key, None)
             if old is not None:
                 old.close()
@@ -204,7 +239,7 @@ def read_guardian(connection: socket.socket) -> int:
     Raises:
         OSError: The pane has ended.
     """
-    word, _, number = _read_line(connection, 5.0).partition(b" ")
+    word, _, number = _read_line(connection).partition(b" ")
     if word != b"guardian" or not number.isdigit():
         raise OSError("its pane is closed")
     return int(number)
@@ -235,9 +270,9 @@ def _clear_away_dead() -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _read_line(connection: socket.socket, timeout_s: float) -> bytes:
+def _read_line(connection: socket.socket) -> bytes:
     """Return a line byte by byte: what follows belongs to somebody else. Empty on any trouble."""
-    connection.settimeout(timeout_s)
+    connection.settimeout(_ANSWER_S)
     line = b""
     try:
         while len(line) < _MOST_KEY_BYTES:

@@ -47,4 +47,5 @@ class PaneShow:
             self._panes.finish(key, status)
 
     def end(self) -> None:
-        """Do nothing: the panes stay."""
+        """Leave the panes as they are, once each shows the status of its program."""
+        self._panes.drain()
