@@ -240,9 +240,12 @@ def test_a_program_may_turn_it_off() -> None:
     assert manager.state == "False"
     node = BaseNode(control=False)
     found: list[bool] = []
-    node.create_timer(
-        0.001, lambda: (found.append(os.path.exists(own_socket())), node.request_stop())
-    )
+
+    def look() -> None:
+        found.append(os.path.exists(own_socket()))
+        node.request_stop()
+
+    node.create_timer(0.001, look)
     node.start_spin_standalone()
     assert found[0] is False
 
@@ -419,7 +422,8 @@ def test_transitions_are_made_on_request_and_refused_with_the_reason() -> None:
         assert change(client, "deactivate") == (False, "failure", "active", "stuck")
         Camera.answer = CallbackReturn.ERROR
         assert change(client, 4)[:3] == (False, "error", "unconfigured")
-        for wrong in (None, "", 1.5, []):
+        wrongs: list[Any] = [None, "", 1.5, []]
+        for wrong in wrongs:
             assert change(client, wrong)[0] == "invalid"
         answer = client.answer("lifecycle.get", node="robot")
         assert (answer["kind"], answer["suggestions"]) == ("refused", ["/camera"])
@@ -560,15 +564,16 @@ def test_after_a_request_the_loop_sleeps_as_before() -> None:
             assert client.ask("parameter.set", node="robot", values={"gain": 2})
         before = len(spins)
         ticks = told(client)["ticks"]
-        wait_until(lambda: told(client)["ticks"] > ticks + 20, "some ticks")
-        assert len(spins) <= before + 1
+        wait_until(lambda: told(client)["ticks"] > ticks + 50, "some ticks")
+        # One more where a tick came between the change and the callbacks that hear of it.
+        assert len(spins) <= before + 2
 
     def run(_: object, *rest: Any) -> None:
         run_main_loop(Counting(), *rest)  # type: ignore[arg-type]  # it is one
 
-    manager._run_loop = run
+    manager._run_loop = run  # type: ignore[assignment]
     ask_while_running(manager, questions)
-    assert 1 <= len(spins) <= 6
+    assert 1 <= len(spins) <= 12
 
 
 # The log.

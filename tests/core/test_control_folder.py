@@ -83,7 +83,7 @@ def test_the_runtime_folder_of_another_user_does_not_count(
     places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # As after `su`, which keeps the variable.
-    monkeypatch.setattr(folder.os, "geteuid", lambda: UID + 1)
+    monkeypatch.setattr("os.geteuid", lambda: UID + 1)
     with pytest.raises(ControlError, match=f"belongs to user {UID}"):
         make_folder()
     assert not (places[0] / "rosbase").exists()
@@ -150,7 +150,7 @@ def test_the_folder_of_somebody_else_is_refused(
         os.chown(made, 65_534, 65_534)
         owner = 65_534
     else:
-        monkeypatch.setattr(folder.os, "geteuid", lambda: UID + 1)
+        monkeypatch.setattr("os.geteuid", lambda: UID + 1)
         owner = UID
     with pytest.raises(ControlError, match=f"belongs to user {owner}"):
         make_folder()

@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rosbase import ControlError
@@ -70,7 +70,8 @@ def test_any_bytes_give_frames_or_a_control_error_in_bounded_memory(pieces: list
     assert reader.held <= 70_100 + max(map(len, pieces), default=0)
 
 
-@given(st.lists(FRAMES, max_size=5), st.lists(st.integers(0, 10_000), max_size=10))
+@settings(max_examples=50)
+@given(st.lists(FRAMES, max_size=3), st.lists(st.integers(0, 10_000), max_size=10))
 def test_frames_arrive_as_they_were_written_however_they_are_cut(
     frames: list[tuple[dict[str, Any], bytes]], places: list[int]
 ) -> None:

@@ -213,3 +213,24 @@ def test_fifty_programs_at_once_have_fifty_sockets(tmp_path: Path) -> None:
             program.process.communicate()
     with offering() as own:
         wait_until(lambda: os.listdir(folder()) == [Path(own).name], "the removal of all")
+
+
+QUIET = """
+import sys
+from rosbase import BaseHandlers, BaseManager
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        self.manager.request_stop()
+
+BaseManager("app", handlers_class=Handlers).start_main_loop_timer()
+print(*sorted(name for name in sys.modules if name.startswith("rosbase.control")))
+"""
+
+
+def test_what_serves_clients_is_not_imported_until_one_comes(tmp_path: Path) -> None:
+    with running(tmp_path, QUIET) as program:
+        status, out, err = program.end()
+    assert status == 0, err
+    needed = ("folder", "programs", "recent_log", "server", "socket_file")
+    assert out.split() == ["rosbase.control", *(f"rosbase.control.{name}" for name in needed)]

@@ -175,9 +175,9 @@ def test_the_user_of_the_other_side_decides(
     with here, there:
         if uid == 0 and ours:
             # Root may connect to everybody's.
-            monkeypatch.setattr(clients.struct, "unpack", lambda *_: (1, 1_000, 1_000))
+            monkeypatch.setattr("struct.unpack", lambda *_: (1, 1_000, 1_000))
         else:
-            monkeypatch.setattr(clients.os, "geteuid", lambda: uid + ours)
+            monkeypatch.setattr("os.geteuid", lambda: uid + ours)
         assert clients.may_connect(here) is may
 
 
@@ -597,6 +597,28 @@ def test_an_exception_of_an_answer_is_an_error_and_is_logged_once(
     assert caplog.text.count("fail failed: KeyError('lens')") == 1
 
 
+def test_an_exception_while_the_program_stops_is_an_error_and_is_not_logged(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def fail(*_: object) -> Any:
+        raise KeyError("lens\nand its\x1b[2J cap")
+
+    program = FakeProgram(fail=fail)
+    program.phase = "stopping"
+    with offering(program) as path, Asker(path) as client:
+        # One line, whatever is in it.
+        assert client.answer("fail")["error"] == r"KeyError: 'lens\nand its\x1b[2J cap'"
+    assert not caplog.records
+
+
+def test_an_error_of_several_lines_is_told_in_one() -> None:
+    def refuse(*_: object) -> Any:
+        raise ControlError("one\n  two\x1b", "refused")
+
+    with offering(FakeProgram(refuse=refuse)) as path, Asker(path) as client:
+        assert client.answer("refuse")["error"] == "one two\\x1b"
+
+
 def test_an_answer_that_is_no_json_is_an_error() -> None:
     with offering(FakeProgram(odd=lambda *_: {"x": object()})) as path, Asker(path) as client:
         assert "cannot be sent" in client.answer("odd")["error"]
@@ -652,9 +674,13 @@ def test_our_answers_come_before_those_of_programs(path: str) -> None:
         assert client.ask("other") == {"mine": 2}
 
 
-# Forks and signals.
+# Forks.
+
+# Python warns of a fork in a process with threads, from 3.12 on.
+ignore_forks = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
 
 
+@ignore_forks
 def test_a_forked_child_keeps_nothing_and_may_have_a_socket_of_its_own(path: str) -> None:
     with Asker(path) as client:
         client.ask("process")
@@ -688,6 +714,7 @@ def test_a_forked_child_keeps_nothing_and_may_have_a_socket_of_its_own(path: str
     # Whoever connects is closed when the parent closes, whatever children there are.
 
 
+@ignore_forks
 def test_a_connection_ends_with_the_program_although_a_forked_child_lives() -> None:
     with offering() as path:
         client = Asker(path)

@@ -28,3 +28,20 @@ def test_absurd_values_are_counted_too() -> None:
     histogram.record(2**200)
     assert histogram.count == 2
     assert histogram.percentile(1) == 0
+
+
+@given(values)
+def test_buckets_count_every_value_and_the_first_one_has_the_least(recorded: list[int]) -> None:
+    histogram = Histogram()
+    histogram.record_all(recorded)
+    buckets = histogram.buckets()
+    assert sum(count for _, count in buckets) == len(recorded)
+    assert [upper for upper, _ in buckets] == sorted({upper for upper, _ in buckets})
+    least = min(recorded)
+    assert least - least // 32 - 1 <= histogram.minimum() <= least
+    assert histogram.minimum() <= least <= buckets[0][0]
+
+
+def test_an_empty_histogram_has_no_buckets() -> None:
+    assert Histogram().buckets() == []
+    assert Histogram().minimum() == 0

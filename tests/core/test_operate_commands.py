@@ -6,14 +6,18 @@ import signal
 import socket
 import subprocess
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rosbase.control import connect
 from rosbase.errors import ControlError
 from support.command import ROSBASE
+from support.control import FakeProgram, offering
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 
@@ -48,6 +52,27 @@ def test_ps_lists_programs_with_state_rate_and_memory(robots: Robots) -> None:
     assert {one["pid"] for one in found} == {pid_of(app), pid_of(listener)}
     assert all(one["memory_bytes"] > 1e6 for one in found)
     assert run("ps", "-P", "listener").count("\n") == 2
+
+
+WAITING = """
+from rosbase import BaseHandlers, BaseManager
+
+class Handlers(BaseHandlers):
+    def handle(self): ...
+
+print("ready", flush=True)
+manager = BaseManager("waits", {}, {}, Handlers, node_freq_hz=10)
+manager.add_handshake_rule("camera", lambda: False)
+manager.start_main_loop_timer()
+"""
+
+
+def test_ps_and_stop_work_on_a_program_that_waits_in_its_handshake(robots: Robots) -> None:
+    program = robots.start(WAITING)
+    wait_until(lambda: "waits" in run("ps"), "the program")
+    assert "waits manager local waiting for camera 10 Hz 0 0 " in " ".join(run("ps").split())
+    run("stop", "waits")
+    program.end()
 
 
 def test_nothing_runs_is_no_failure(robots: Robots) -> None:
@@ -95,41 +120,6 @@ def test_a_parameter_that_is_not_set_is_told_and_status_1(robots: Robots) -> Non
     assert out == ""
     assert run("param", "get", "app", "robot.speed") == "Double value is: 3.0\n"
     assert "robot.nmes" in run("param", "get", "app", "robot.nmes", status=1)
-
-
-def test_what_dump_prints_is_what_load_and_a_program_take(robots: Robots, tmp_path: Path) -> None:
-    pytest.importorskip("yaml")
-    robots.start(APP)
-    run("param", "set", "app", "robot.speed", "0.25", "robot.names", "[x, 'on', '1']")
-    text = run("param", "dump", "app")
-    assert text == (
-        "/app:\n  ros__parameters:\n    robot:\n"
-        "      names:\n      - x\n      - 'on'\n      - '1'\n      speed: 0.25\n\n"
-    )
-    file = tmp_path / "app.yaml"
-    file.write_text(text)
-    run("param", "set", "app", "robot.speed", "9", "robot.names", "[]")
-    assert run("param", "load", "app", str(file)) == (
-        "Set parameter robot.names successful\nSet parameter robot.speed successful\n"
-    )
-    assert run("param", "dump", "app") == text
-    run("stop", "app")
-    wait_until(lambda: run("node", "list") == "", "the end")
-    source = tmp_path / "again.py"
-    source.write_text(APP)
-    with subprocess.Popen(
-        [ROSBASE, "run", str(source), "--params-file", str(file)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as again:
-        try:
-            assert again.stdout is not None
-            assert again.stdout.readline() == "ready\n"
-            assert run("param", "dump", "app") == text
-        finally:
-            again.terminate()
-            again.communicate()
 
 
 def test_a_file_of_toml_is_loaded_and_its_mistakes_are_told(robots: Robots, tmp_path: Path) -> None:
@@ -202,9 +192,20 @@ def test_statistics_tell_ticks_and_times(robots: Robots) -> None:
 
 def test_stop_ends_a_program_in_order(robots: Robots) -> None:
     app = robots.start(APP)
-    assert run("stop", "app") == f"stopping app [{pid_of(app)}]\n"
+    assert run("stop", "app") == f"stopped app [{pid_of(app)}]\n"
     assert app.end()[0] == 0
     assert "no program app" in run("stop", "app", status=1)
+
+
+def test_stop_says_when_a_program_does_not_end(robots: Robots) -> None:
+    source = APP.replace(
+        "manager.start_main", "manager.release_resources = wait\nmanager.start_main"
+    )
+    source = f"import time\n\n\ndef wait():\n    time.sleep(2)\n{source}"
+    app = robots.start(source)
+    err = run("stop", "app", "--timeout", "0.2", status=1)
+    assert err == f"rosbase: app [{pid_of(app)}] still runs\n"
+    assert app.end()[0] == 0
 
 
 def test_stop_takes_a_pid(robots: Robots) -> None:
@@ -248,16 +249,20 @@ def test_a_wrong_command_line_is_one_line_and_status_2(robots: Robots, words: st
     assert run(*words.split(), status=2).count("\n") == 1
 
 
-def test_a_program_that_does_not_answer_costs_a_second_and_is_named(robots: Robots) -> None:
+def test_a_program_that_does_not_answer_costs_a_second_and_is_named_once(robots: Robots) -> None:
     robots.start(APP)
     other = robots.start(LISTENER)
     os.kill(pid_of(other), signal.SIGSTOP)
     try:
-        out, err = run_both("node", "list")
+        for words in ("node list", "topic echo position --once", "param get robot speed"):
+            with Stopwatch() as watch:
+                out, err = run_both(*words.split())
+                assert watch.took_s < 5.0
+            assert out
+            assert err == f"rosbase: process {pid_of(other)} does not answer\n"
     finally:
         os.kill(pid_of(other), signal.SIGCONT)
-    assert out == "/app\n/arm\n"
-    assert err == f"rosbase: process {pid_of(other)} does not answer\n"
+    assert run("node", "list") == "/app\n/arm\n/listener\n"
 
 
 def test_a_stale_socket_is_removed_and_not_spoken_of(robots: Robots) -> None:
@@ -347,3 +352,51 @@ def test_connect_to_a_program_that_does_not_run_raises(robots: Robots) -> None:
     with pytest.raises(ControlError, match="did you mean app") as caught:
         connect("ap")
     assert (caught.value.kind, caught.value.suggestions) == ("unknown", ["app"])
+
+
+def test_any_thread_may_ask(robots: Robots) -> None:
+    app = robots.start(APP)
+    fleet = connect()
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(lambda _: fleet.get_parameters("robot"), range(40)))
+        pids = list(pool.map(lambda _: [p["pid"] for p in fleet.processes()], range(40)))
+    assert answers == [{"names": ["a", "b"], "speed": 1.5}] * 40
+    assert pids == [[pid_of(app)]] * 40
+
+
+def test_what_rosbase_up_has_started_is_listed_stopped_and_restarted(robots: Robots) -> None:
+    robots.start(APP)
+    asked: list[tuple[str, str]] = []
+
+    def answer(ask: str) -> Any:
+        def take(_: Any, request: Any) -> dict[str, Any]:
+            asked.append((ask, request.text("name")))
+            return {}
+
+        return take
+
+    camera = {
+        "name": "camera", "pid": 4712, "state": "running", "restarts": 2, "since_ns": 1,
+        "required": True, "exit_status": None,
+    }  # fmt: skip
+    answers = {
+        "launcher.list": lambda _, __: {"programs": [camera]},
+        "launcher.stop": answer("stop"),
+        "launcher.restart": answer("restart"),
+    }
+    with offering(FakeProgram(**answers)):
+        shown = run("ps")
+        assert " fake  " in shown
+        assert shown.endswith(
+            "started by rosbase up:\n PID  NAME    STATE    RESTARTS  REQUIRED  EXIT\n"
+            "4712  camera  running         2  yes       -\n"
+        )
+        assert run("stop", "camera") == "stopped camera\n"
+        assert run("restart", "camera") == "restarted camera\n"
+        assert "no program of rosbase up camra; did you mean camera?" in run(
+            "restart", "camra", status=1
+        )
+        assert run("_complete", "restart", "") == "camera\trunning\n"
+        # A program of the same launcher that has no such name is one of its own.
+        assert run("stop", "app").startswith("stopped app [")
+    assert asked == [("stop", "camera"), ("restart", "camera")]

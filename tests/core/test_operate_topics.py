@@ -29,6 +29,7 @@ class Camera(BaseNode):
         out = self.create_publisher(Point, "seen")
         self.create_timer(0.01, lambda: out.publish(Point(1.0)))
         self.create_subscription(Point, "command", print)
+        self.create_timer(0.1, lambda: self.logger.info("from the child"))
 
 
 class Robot(BaseNode):
@@ -357,6 +358,8 @@ def test_a_child_process_is_on_the_bus_of_its_manager(robots: Robots) -> None:
     assert "Not connected" not in run("topic", "info", "seen")
     assert run("topic", "echo", "seen", "--once", "--field", "x") == "1.0\n---\n"
     assert run("topic", "echo", "command", "--once", "--field", "x") == "2.0\n---\n"
+    wait_until(lambda: "from the child" in run("log"), "a record of the child")
+    assert "camera: from the child" not in run("log")
     rows = run("ps").splitlines()[1:]
     assert {row.split()[1] for row in rows} == {"parent", "camera"}
     run("stop", "parent")

@@ -62,7 +62,8 @@ if __name__ == "__main__":
 
 def run(folder: Path, what: str, options: str = "", *arguments: str) -> tuple[int, str, str]:
     app = APP.replace("WHAT", what).replace("OPTIONS", options)
-    with running(folder, app, *arguments) as program:
+    # So that the link is the only socket of the child.
+    with running(folder, app, *arguments, env={"ROSBASE_CONTROL": "off"}) as program:
         status, out, err = program.end()
         assert not program.family()
     # Before there is a manager, another logger writes.

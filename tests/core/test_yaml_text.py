@@ -1,6 +1,8 @@
-"""YAML as `topic echo` writes it, and as values are typed."""
+"""YAML as `topic echo` writes it, and as values are typed.
 
-import sys
+`tests/ros2/test_yaml_oracle.py` compares what is written with PyYAML.
+"""
+
 from typing import Any
 
 import pytest
@@ -9,36 +11,7 @@ from hypothesis import strategies as st
 
 from rosbase.text.yaml_flow import read_flow
 from rosbase.text.yaml_text import as_yaml
-
-# All that has a meaning somewhere in YAML, and words that are no texts without quotes.
-TEXTS = st.text(st.sampled_from("ab -:#,[]{}'\"\n01.+eE?!&*%@`|>~=yYoOnN_xé\\/<\xa0"), max_size=6)
-WORDS = st.sampled_from(
-    ["yes", "Off", "null", "0x1F", "1e5", "1.5e+3", ".inf", "2026-01-02", "1:2"]
-)
-SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | TEXTS | WORDS
-KEYS = st.from_regex(r"\A[a-z]\w{0,5}(\.[a-z]\w*)?\Z")
-DATA = st.recursive(
-    SCALARS,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
-    max_leaves=8,
-)
-
-
-@given(st.dictionaries(KEYS, DATA, max_size=3) | st.lists(DATA, max_size=3), st.booleans())
-def test_it_is_what_pyyaml_writes(data: Any, sort_keys: bool) -> None:
-    yaml = pytest.importorskip("yaml")
-    written = yaml.dump(
-        data, allow_unicode=True, width=sys.maxsize, default_flow_style=False, sort_keys=sort_keys
-    )
-    assert as_yaml(data, sort_keys=sort_keys) == written
-
-
-@given(st.dictionaries(KEYS, DATA, max_size=3))
-def test_in_one_line_it_is_what_pyyaml_reads(data: Any) -> None:
-    yaml = pytest.importorskip("yaml")
-    text = as_yaml(data, flow=True)
-    assert text.count("\n") == 1
-    assert repr(yaml.safe_load(text)) == repr(data)
+from support.strategies import YAML_KEYS, YAML_TEXTS
 
 
 def test_invisible_characters_are_escaped() -> None:
@@ -99,7 +72,8 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 
 @given(
     st.dictionaries(
-        KEYS, st.text(st.characters(codec="utf-8"), max_size=6) | st.lists(TEXTS, max_size=2)
+        YAML_KEYS,
+        st.text(st.characters(codec="utf-8"), max_size=6) | st.lists(YAML_TEXTS, max_size=2),
     )
 )
 def test_what_echo_writes_in_one_line_can_be_typed(data: Any) -> None:

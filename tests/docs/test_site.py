@@ -30,6 +30,7 @@ INTERNAL = {
         "roles.context",
         "roles.keywords",
         "roles.lookup",
+        "roles.program",
         "roles.registration",
         "roles.shutdown",
         "runtime.early_wake",

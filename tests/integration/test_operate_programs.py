@@ -115,7 +115,7 @@ def test_the_imu_reader_is_operated_as_on_the_page(robots: Robots) -> None:
             assert "    frame_id: left_imu\n" in dump
             assert offered.startswith("- deactivate [4]\n\tStart: active\n\tGoal: deactivating\n")
             assert "health OK" in log
-            assert stopped.startswith("stopping lifecycle_manager [")
+            assert stopped.startswith("stopped lifecycle_manager [")
             assert reader.end() == 0
 
 

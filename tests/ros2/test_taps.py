@@ -16,6 +16,7 @@ from test_msgs.msg import BoundedSequences, Defaults, Empty, WStrings
 from rosbase.contracts.backend import BackendOptions
 from rosbase.messages import Imu, Vector3
 from rosbase.messages.std_srvs import Trigger
+from rosbase.qos import DurabilityPolicy, QoSProfile
 from rosbase.wire import deserialize, schema, type_hash
 from rosbase.wire.plain import decoder, encoder
 from rosbase_ros2.backend import Ros2Backend
@@ -56,6 +57,18 @@ def test_a_publisher_is_as_before_once_the_tap_has_gone(backend: Ros2Backend) ->
     assert len(heard) == 2
     assert publisher._send == before == type(publisher.inner).publish.__get__(publisher.inner)
     assert "publish" not in vars(publisher.inner)
+
+
+def test_a_latched_publisher_keeps_what_it_was_when_published(backend: Ros2Backend) -> None:
+    latched = QoSProfile(2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = backend.create_publisher(RosVector3, "point", latched)
+    filled = RosVector3()
+    for count in range(3):
+        filled.x = float(count)
+        publisher.publish(filled)
+    kept = backend.kept_messages("point")
+    assert [backend.message_format(Vector3).decode(data).x for data in kept] == [1.0, 2.0]
+    assert backend.kept_messages("other") == []
 
 
 def test_a_subscription_is_as_before_once_the_tap_has_gone(backend: Ros2Backend) -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from rosbase.control.programs import Program, offered
-from rosbase.control.socket_file import refuses
 from rosbase.control.streams import Stream
 from rosbase.logger import RosbaseLogger
 from support.waiting import wait_until
@@ -142,6 +141,21 @@ def socket_of(pid: int | None) -> str:
     return str(folder / f"{os.getpid() if pid is None else pid}.sock")
 
 
+def connected(pid: int | None = None) -> Asker:
+    """A connection to a process, or to this one, as soon as it listens."""
+    found: list[Asker] = []
+
+    def is_there() -> bool:
+        try:
+            found.append(Asker(socket_of(pid)))
+        except (FileNotFoundError, ConnectionRefusedError):
+            return False
+        return True
+
+    wait_until(is_there, "the socket")
+    return found[0]
+
+
 def ask_while_running(
     manager: Any, questions: Callable[[Asker], None], *, until: str = "running"
 ) -> None:
@@ -156,10 +170,7 @@ def ask_while_running(
 
     def ask() -> None:
         try:
-            # It is there a moment before anybody listens.
-            wait_until(lambda: os.path.exists(own_socket()), "the socket")
-            wait_until(lambda: not refuses(own_socket()), "the server")
-            with Asker(own_socket()) as client:
+            with connected() as client:
                 wait_until(lambda: client.ask("process")["programs"][0]["phase"] == until, until)
                 questions(client)
         except BaseException as error:

@@ -391,3 +391,18 @@ def waiting_programs(draw: st.DrawFn) -> dict[str, list[str]]:
         for n, name in enumerate(names)
     }
     return {name: after[name] for name in draw(st.permutations(names))}
+
+# All that has a meaning somewhere in YAML, and words that are no texts without quotes.
+YAML_TEXTS = st.text(
+    st.sampled_from("ab -:#,[]{}'\"\n01.+eE?!&*%@`|>~=yYoOnN_xé\\/<\xa0"), max_size=6
+)
+_YAML_WORDS = st.sampled_from(
+    ["yes", "Off", "null", "0x1F", "1e5", "1.5e+3", ".inf", "2026-01-02", "1:2"]
+)
+_YAML_SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | YAML_TEXTS | _YAML_WORDS
+YAML_KEYS = st.from_regex(r"\A[a-z]\w{0,5}(\.[a-z]\w*)?\Z")
+YAML_DATA = st.recursive(
+    _YAML_SCALARS,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(YAML_KEYS, inner, max_size=3),
+    max_leaves=8,
+)

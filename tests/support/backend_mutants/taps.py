@@ -125,6 +125,25 @@ class KeepsFailingTaps(LocalBackend):
         return super().add_tap(topic, hear)
 
 
+@breaks("kept-messages-are-told")
+class TellsOfNothingKept(LocalBackend):
+    def kept_messages(self, topic: str) -> list[Any]:
+        return super().kept_messages(topic)[:0]
+
+
+@breaks("kept-messages-are-told")
+class TellsOfWhatHasEnded(LocalBackend):
+    def kept_messages(self, topic: str) -> list[Any]:
+        self.known = super().kept_messages(topic) or getattr(self, "known", [])
+        return self.known
+
+
+@breaks("kept-messages-are-told")
+class TellsBackwards(LocalBackend):
+    def kept_messages(self, topic: str) -> list[Any]:
+        return super().kept_messages(topic)[::-1]
+
+
 @breaks("wrong-taps-are-errors")
 class TapsAnyName(Changed):
     def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:

@@ -301,6 +301,12 @@ class RosNode(NodeConnection):
         resolve_topic(topic, self.node_name)
         return self._process.taps.open(self.node.resolve_topic_name(topic), on_message)
 
+    def kept_messages(self, topic: str) -> list[Any]:
+        """Return what the TRANSIENT_LOCAL publishers of rosbase on a topic keep, as bytes."""
+        self._process.check_open()
+        resolve_topic(topic, self.node_name)
+        return self._process.taps.kept_messages(self.node.resolve_topic_name(topic))
+
     def graph(self) -> Graph:
         """Return the ends of all nodes of the backend, as rclpy sees them."""
         return ros_graph(self._process.nodes, self._process.taps)

@@ -188,13 +188,16 @@ class RosParameters:
 
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused. Call it on the main loop."""
+        # Some are of rclpy, such as use_sim_time.
+        theirs = [p for p in parameters if self._rules.find(p.name) is None]
+        theirs = [p for p in theirs if self._node.has_parameter(p.name)]
         try:
-            checked = self._rules.check(parameters)
+            checked = self._rules.check([p for p in parameters if p not in theirs])
         except ParameterError as error:
             return refused(str(error))
         given = [
             RosParameter(parameter.name, _TYPES[self._kind(parameter.name)], parameter.value)
-            for parameter in checked
+            for parameter in [*checked, *theirs]
         ]
         try:
             answer = self._node.set_parameters_atomically(given)
@@ -214,9 +217,7 @@ class RosParameters:
             self._call_soon(lambda: self._rules.tell(ours))
 
     def _kind(self, name: str) -> ParameterKind:
-        spec = self._rules.find(name)
-        assert spec is not None
-        return spec.kind
+        return self.describe(name).kind
 
     def _convert(self, parameters: list[Any]) -> list[Any]:
         """Convert each value to the declared type: tools guess the type of `2` and `[]`."""

@@ -63,6 +63,12 @@ class Taps:
         for tap in [tap for taps in [*self._taps.values()] for tap in taps]:
             tap.close()
 
+    def kept_messages(self, name: str) -> list[bytes]:
+        """Return what the publishers of rosbase on a topic keep."""
+        with self._lock:
+            publishers = [one for one in self.publishers if one.topic == name]
+        return [data for publisher in publishers for data in publisher.kept_messages()]
+
     def welcome(self, inner: Any) -> None:
         """Note that a node has a new publisher of rclpy."""
         if self._taps:

@@ -1,9 +1,12 @@
 """Publishers and subscriptions that convert messages."""
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.exceptions import InvalidHandle
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
 
 from rosbase import QueuedSubscription, RosbaseLogger, Sender, WireError
 from rosbase.wire import maker, packer
@@ -14,11 +17,23 @@ from rosbase_ros2.refusals import RCLError, Refusals
 
 __all__ = ["RosPublisher", "RosSubscription"]
 
+# Of a publisher that keeps all.
+_MOST_KEPT = 1000
+
 
 class RosPublisher:
     """Sends messages of one class to one topic. Use it from any thread."""
 
-    __slots__ = ("_courier", "_encode", "_msg_type", "_refusals", "_send", "inner", "topic")
+    __slots__ = (
+        "_courier",
+        "_encode",
+        "_kept",
+        "_msg_type",
+        "_refusals",
+        "_send",
+        "inner",
+        "topic",
+    )
 
     def __init__(self, inner: Any, courier: Courier, refusals: Refusals) -> None:
         self.inner = inner
@@ -27,7 +42,9 @@ class RosPublisher:
         self._courier = courier
         self._msg_type, self._encode = courier.msg_type, courier.encode
         self._refusals = refusals
-        self._send: Callable[[Any], object] | None = inner.publish
+        self._kept = _kept(inner.qos_profile)
+        self._send: Callable[[Any], object] | None = None
+        self._send = self._sender()
 
     def publish(self, message: Any) -> bool:
         """Convert the message and send it; send nothing once the publisher has ended.
@@ -100,11 +117,36 @@ class RosPublisher:
     def refresh(self) -> None:
         """Look again what `publish` of the rclpy publisher is; `taps` replaces it."""
         if self._send is not None:
-            self._send = self.inner.publish
+            self._send = self._sender()
+
+    def kept_messages(self) -> list[bytes]:
+        """Return the messages that DDS keeps for late subscriptions; rclpy does not tell them."""
+        return [] if self._kept is None else list(self._kept)
 
     def close(self) -> None:
         """Stop sending."""
         self._send = None
+
+    def _sender(self) -> Callable[[Any], object]:
+        publish, kept = self.inner.publish, self._kept
+        if kept is None:
+            sender: Callable[[Any], object] = publish
+            return sender
+
+        def publish_and_keep(message: Any) -> None:
+            publish(message)
+            # An object may be filled anew.
+            data = message if isinstance(message, bytes) else bytes(serialize_message(message))
+            kept.append(data)
+
+        return publish_and_keep
+
+
+def _kept(profile: QoSProfile) -> deque[bytes] | None:
+    """Return room for what a latched publisher keeps."""
+    if profile.durability is not DurabilityPolicy.TRANSIENT_LOCAL:
+        return None
+    return deque(maxlen=min(queue_depth(profile), _MOST_KEPT))
 
 
 class RosSubscription(QueuedSubscription):

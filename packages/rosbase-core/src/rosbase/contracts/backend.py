@@ -8,8 +8,8 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
 `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,
 `prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`, `create_service`,
-`create_client`, `destroy_service`, `destroy_client`, `add_tap`, `graph`, `message_format`,
-`find_type`.
+`create_client`, `destroy_service`, `destroy_client`, `add_tap`, `kept_messages`, `graph`,
+`message_format`, `find_type`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 

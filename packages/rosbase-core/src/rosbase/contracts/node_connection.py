@@ -305,6 +305,16 @@ class NodeConnection(ABC):
         """
         raise BackendError(f"{topic}: this backend has no taps")
 
+    def kept_messages(self, topic: str) -> list[Any]:
+        """Return what the TRANSIENT_LOCAL publishers of a topic keep, of each the oldest first.
+
+        The messages are as those that a tap hears. Call it from any thread.
+
+        Raises:
+            BackendError: The name is invalid, or the backend is closed.
+        """
+        return []
+
     def graph(self) -> "Graph":
         """Return the publishers, subscriptions, services and clients of all nodes of the backend.
 

@@ -175,6 +175,10 @@ class NodeView(NodeConnection):
         """Hear every message of a topic in this process."""
         return self._shared.add_tap(self._own(topic), on_message)
 
+    def kept_messages(self, topic: str) -> list[Any]:
+        """Return what the TRANSIENT_LOCAL publishers of a topic keep."""
+        return self._shared.kept_messages(self._own(topic))
+
     def graph(self) -> "Graph":
         """Return the ends of all nodes of the shared connection."""
         return self._shared.graph()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from rosbase.control.shapes import Endpoint, Process, Topic
 
@@ -31,6 +31,8 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
         child["pid"]: pid
         for pid, process in known.items()
         for program in process["programs"]
+        # The programs of a launcher are programs of their own.
+        if program["kind"] != "launcher"
         for child in program["children"]
         if child["pid"] in known
     }
@@ -38,11 +40,19 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
     for pid, process in known.items():
         names = [program["backend"] for program in process["programs"] if program["backend"]]
         backend = names[0] if names else "local"
-        root = pid
-        while root in parent and parent[root] != root:
-            root = parent.pop(root)
-        groups.setdefault((backend, root if backend == "local" else 0), set()).add(pid)
+        root = _root(pid, parent) if backend == "local" else 0
+        groups.setdefault((backend, root), set()).add(pid)
     return [Bus(backend, pids) for (backend, _), pids in sorted(groups.items())]
+
+
+def _root(pid: int, parent: Mapping[int, int]) -> int:
+    """Return the process from which all parents descend."""
+    seen = {pid}
+    # Pids are told by other processes, which may be wrong.
+    while (above := parent.get(pid)) is not None and above not in seen:
+        seen.add(above)
+        pid = above
+    return pid
 
 
 def on_several(topic: Topic, all_buses: Iterable[Bus]) -> list[Bus]:

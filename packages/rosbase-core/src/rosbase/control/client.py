@@ -133,6 +133,16 @@ class Connection:
         except ControlError as error:
             raise ControlError(f"process {self.pid} sends {error}", "failed") from error
 
+    def wait_for_end(self, limit: TimeLimit) -> bool:
+        """Wait until the program closes the connection; return False when the time is over."""
+        while self.wait(limit):
+            try:
+                for _ in self.frames():
+                    pass
+            except ControlError:
+                return True
+        return False
+
     def _greet(self, frame: dict[str, Any]) -> None:
         if frame.get("error") is not None:
             # It has as many clients as it takes.

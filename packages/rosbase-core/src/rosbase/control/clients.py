@@ -146,6 +146,11 @@ class Clients:
         near = get_close_matches(ask, known)
         raise ControlError(f"there is no request {ask[:100]!r}", "unknown", near)
 
+    def report(self, what: str, error: Exception) -> None:
+        """Log an exception of an answer, but not while a program ends: what it asks may be gone."""
+        if not any(program.phase == "stopping" for program in running_programs()):
+            self._server.report(what, error)
+
     def counts(self) -> dict[str, int]:
         """Return the number of clients, and of events that clients have lost."""
         lost = sum(session.lost for session in self._sessions)

@@ -17,7 +17,8 @@ class Fleet(
     """The running programs of this user, or one of them; `rosbase.control.connect` returns it.
 
     Nothing is kept between two questions: any thread may ask, and each answer is of the programs
-    that run at that time. A program that does not answer within a second is named on stderr.
+    that run at that time. A program that does not answer within a second is named on stderr, and
+    left out for five seconds.
     """
 
     def __enter__(self) -> Fleet:

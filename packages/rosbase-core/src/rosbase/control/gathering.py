@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Replies", "ask_one", "connect_to", "gather", "name_on_stderr"]
 
+# A program that does not answer costs a second, which must not add up over some questions.
+_LEFT_OUT_S = 5.0
+
 
 class Replies:
     """Answers of one process."""
@@ -44,6 +47,7 @@ def gather(
     timeout_s: float = 1.0,
     pids: Iterable[int] | None = None,
     on_silent: Callable[[str], object] | None = name_on_stderr,
+    silent_until: dict[str, TimeLimit] | None = None,
 ) -> list[Replies]:
     """Ask each program the same questions; return the replies of those that answer, by pid.
 
@@ -52,21 +56,24 @@ def gather(
         timeout_s: How long all of them together may take.
         pids: Ask only these.
         on_silent: Called for each program that does not answer, with a line that names it.
+        silent_until: Sockets of programs that are left out until some time, because they have not
+            answered; this adds to it.
     """
     limit = TimeLimit(timeout_s)
     wanted = None if pids is None else set(pids)
     pending: dict[int, tuple[Connection, Replies]] = {}
     done: list[Replies] = []
-    silent: list[tuple[int, str]] = []
+    silent: list[tuple[int, str, str]] = []
+    silent_until = {} if silent_until is None else silent_until
     poll = select.poll()
     try:
         for pid, path in sockets():
-            if wanted is not None and pid not in wanted:
+            if (wanted is not None and pid not in wanted) or _is_left_out(path, silent_until):
                 continue
             try:
                 connection = _open(pid, path, asks, timeout_s)
             except ControlError as error:
-                silent.append((pid, str(error)))
+                silent.append((pid, path, str(error)))
                 continue
             if connection is not None:
                 pending[connection.fileno()] = (connection, Replies(pid, path, len(asks)))
@@ -77,9 +84,10 @@ def gather(
     finally:
         for connection, _ in pending.values():
             connection.close()
-    silent += [(c.pid, f"process {c.pid} does not answer") for c, _ in pending.values()]
-    if on_silent is not None:
-        for _, reason in sorted(silent):
+    silent += [(c.pid, c.path, f"process {c.pid} does not answer") for c, _ in pending.values()]
+    for _, path, reason in sorted(silent):
+        silent_until[path] = TimeLimit(_LEFT_OUT_S)
+        if on_silent is not None:
             on_silent(reason)
     return sorted(done, key=lambda replies: (replies.pid, replies.path))
 
@@ -98,6 +106,11 @@ def connect_to(pid: int, path: str = "") -> Connection:
             # Stale, or it has just ended.
             continue
     raise ControlError(f"process {pid} has ended, or has no control socket", "unknown")
+
+
+def _is_left_out(path: str, silent_until: dict[str, TimeLimit]) -> bool:
+    limit = silent_until.get(path)
+    return limit is not None and not limit.is_over
 
 
 def ask_one(
@@ -156,7 +169,7 @@ def _read(
     pending: dict[int, tuple[Connection, Replies]],
     poll: select.poll,
     done: list[Replies],
-    silent: list[tuple[int, str]],
+    silent: list[tuple[int, str, str]],
 ) -> None:
     """Take what a program has answered; it is done when nothing is missing."""
     connection, replies = pending[fd]
@@ -172,7 +185,7 @@ def _read(
     except ControlError as error:
         # One that ends while it is asked is simply no longer there.
         if connection.greeting is not None or "has ended" not in str(error):
-            silent.append((connection.pid, str(error)))
+            silent.append((connection.pid, connection.path, str(error)))
     poll.unregister(fd)
     del pending[fd]
     connection.close()

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 
 __all__ = ["absolute", "ambiguous", "full_type", "is_hidden", "one_of", "similar", "unknown"]
 
+# Below this likeness, a name is a guess.
+_NEAR = 0.7
+
 
 def absolute(name: str) -> str:
     """Return the name with the slash in front that people leave out."""
@@ -35,7 +38,7 @@ def similar(name: str, known: Iterable[str]) -> list[str]:
     names = sorted(set(known))
     last = name.rpartition("/")[2]
     ends = [k for k in names if last and k.rpartition("/")[2] == last]
-    near = get_close_matches(name, names, n=3) + get_close_matches(absolute(name), names, n=3)
+    near = [n for form in (name, absolute(name)) for n in get_close_matches(form, names, 3, _NEAR)]
     return list(dict.fromkeys(ends + near))[:3]
 
 

@@ -55,7 +55,7 @@ class _Call:
         except ControlError as error:
             self._request.fail(error)
         except Exception as error:
-            self._request.fail(ControlError(f"{type(error).__name__}: {error}"[:1000]))
+            self._request.fail(ControlError(f"{type(error).__name__}: {error}"))
         except BaseException:
             # Such as the request to end the program, which the main loop deals with.
             self._request.fail(ControlError("the program was interrupted"))

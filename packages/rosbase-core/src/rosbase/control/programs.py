@@ -165,8 +165,8 @@ def offered(program: Program | None, logger: RosbaseLogger) -> Iterator[None]:
     if program is None:
         yield
         return
-    _begin(program, logger)
     try:
+        _begin(program, logger)
         yield
     finally:
         _end(program)

@@ -86,4 +86,4 @@ def _ns(record: logging.LogRecord) -> int:
 
 
 recent_log = RecentLog()
-"""That of this process."""
+"""The log of this process."""

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
 from rosbase.errors import ControlError
+from rosbase.text.printable import one_line
 
 if TYPE_CHECKING:
     from rosbase.control.session import Session
@@ -145,8 +146,8 @@ class Request:
 
 
 def error_frame(error: ControlError) -> dict[str, Any]:
-    """Return the part of a frame that tells an error."""
-    frame: dict[str, Any] = {"error": str(error), "kind": error.kind}
+    """Return the part of a frame that tells an error, in one line."""
+    frame: dict[str, Any] = {"error": one_line(str(error)), "kind": error.kind}
     if error.suggestions:
         frame["suggestions"] = error.suggestions
     return frame

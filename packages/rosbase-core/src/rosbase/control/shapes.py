@@ -9,18 +9,20 @@ __all__ = [
     "Launched",
     "LifecycleState",
     "LogRecord",
+    "NameAndType",
     "Node",
     "NodeInfo",
     "ParameterDescription",
     "Process",
     "Program",
     "QoS",
-    "Service",
+    "ServiceInfo",
     "SetResult",
     "Statistics",
     "Topic",
-    "Transition",
+    "TransitionInfo",
     "TransitionResult",
+    "Window",
 ]
 
 
@@ -119,7 +121,7 @@ class Topic(TypedDict):
     subscriptions: list[Endpoint]
 
 
-class Service(TypedDict):
+class ServiceInfo(TypedDict):
     """A service, with the nodes that offer and call it."""
 
     name: str
@@ -183,7 +185,7 @@ class LifecycleState(TypedDict):
     id: int
 
 
-class Transition(TypedDict):
+class TransitionInfo(TypedDict):
     """A transition that a node offers."""
 
     id: int

@@ -33,8 +33,10 @@ class Stream:
     _is_woken = False
     _wake: Callable[["Stream"], object] | None = None
 
-    def take(self) -> tuple[dict[str, Any], bytes] | None:
+    def take(self) -> tuple[dict[str, Any] | str, bytes] | None:
         """Return the next event and the bytes behind it; None if there is none now.
+
+        An event that is a text is JSON already, of ASCII alone and without a line end.
 
         Called on the thread of the socket: after `wake`, at `due_ns`, and again until it returns
         None or the client stops reading.

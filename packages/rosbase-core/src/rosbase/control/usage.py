@@ -1,4 +1,4 @@
-"""What this process uses of the machine, as Linux counts it."""
+"""Resources of the machine that this process uses, as Linux counts them."""
 
 import os
 import resource

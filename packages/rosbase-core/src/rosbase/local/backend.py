@@ -200,6 +200,10 @@ class LocalBackend(Backend):
         self._bus.add_tap(tap)
         return tap
 
+    def kept_messages(self, topic: str) -> list[Any]:
+        """Return what the TRANSIENT_LOCAL publishers of a topic on the bus keep."""
+        return self._bus.kept_messages(self._check(topic))
+
     def graph(self) -> "Graph":
         """Return the ends of the nodes of this backend, not those of others on the bus."""
         from rosbase.local.graph import Ends, local_graph

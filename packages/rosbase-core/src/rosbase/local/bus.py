@@ -131,6 +131,13 @@ class Bus:
         """Return whether a tap hears a topic."""
         return name in self._taps
 
+    def kept_messages(self, name: str) -> list[Any]:
+        """Return what the publishers of a topic keep for subscriptions that come later."""
+        with self._lock:
+            topic = self._topics.get(name)
+            publishers = topic.publishers if topic else ()
+            return [message for publisher in publishers for message in publisher.kept_messages()]
+
     def type_of(self, name: str) -> type | None:
         """Return the type of a topic; None if nobody uses it."""
         topic = self._topics.get(name)

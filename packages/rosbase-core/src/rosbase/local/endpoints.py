@@ -118,6 +118,10 @@ class LocalPublisher:
         self._taps = taps
         self._join()
 
+    def kept_messages(self) -> list[Any]:
+        """Return what is kept for subscriptions that come later, the oldest first."""
+        return []
+
     def close(self) -> None:
         """Close the publisher: nobody receives its messages from now on."""
         self._matching, self._taps = (), ()
@@ -156,6 +160,11 @@ class LatchedPublisher(LocalPublisher):
         """Hand each message to these, too; one that is being published goes to those before."""
         with self._lock:
             super().set_taps(taps)
+
+    def kept_messages(self) -> list[Any]:
+        """Return what is kept for subscriptions that come later, the oldest first."""
+        with self._lock:
+            return list(self._kept)
 
     def close(self) -> None:
         """Close the publisher and drop its kept messages."""

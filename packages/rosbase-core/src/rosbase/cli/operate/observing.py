@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["bandwidth", "delay", "echo", "rate"]
 
+# Messages that wait in the program, such as for a terminal that stops for a moment.
+_MOST_WAITING = 1_000
+
 
 def echo(given: Any) -> int:
     """Print messages as `ros2 topic echo` does, until Ctrl-C; the status tells of none."""
@@ -29,7 +32,7 @@ def echo(given: Any) -> int:
     questions = TopicQuestions(given.program)
     _check_type(questions, given)
     number, lost = 0, 0
-    for heard in questions.echo(given.topic, timeout_s=given.timeout):
+    for heard in questions.echo(given.topic, limit=_MOST_WAITING, timeout_s=given.timeout):
         print(_shown(heard, given.field, write), end="", flush=True)
         number += 1
         if given.once:
@@ -45,7 +48,7 @@ def _check_type(questions: TopicQuestions, given: Any) -> None:
     if given.type is not None and full_type(given.type) not in topic["types"]:
         text = f"topic {topic['name']} is of type {topic['types'][0]}, not {given.type}"
         raise ControlError(text, "invalid")
-    if not topic["publishers"]:
+    if not topic["publishers"] and given.program is None:
         print(f"rosbase: no program publishes {topic['name']} yet", file=sys.stderr)
 
 
@@ -82,11 +85,11 @@ def delay(given: Any) -> int:
 def _report(given: Any, measure: str, text_of: Callable[[Any], str]) -> int:
     from rosbase.cli.operate.pool import Pool
 
+    questions = TopicQuestions(given.program)
     if measure == "bytes":
-        name = TopicQuestions(given.program).topic(given.topic)["name"]
-        print(f"Subscribed to [{name}]", flush=True)
+        print(f"Subscribed to [{questions.topic(given.topic)['name']}]", flush=True)
     pool = Pool(given.window, measure)
-    for report in TopicQuestions(given.program).count(given.topic, measures=[measure]):
+    for report in questions.count(given.topic, measures=[measure]):
         if pool.add(report["window"]):
             print(text_of(pool), flush=True)
         elif pool.count:

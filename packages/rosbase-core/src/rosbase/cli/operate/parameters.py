@@ -134,15 +134,21 @@ def load(given: Any) -> int:
 
     questions = ParameterQuestions(given.program)
     node, names = next(iter(questions.parameter_names(given.node).items()))
-    types = {
-        name: one["type"] for name, one in questions.typed_parameters(given.node, names).items()
-    }
+    known = questions.typed_parameters(given.node, names)
+    described = questions.describe_parameters(given.node, names)
+    types = {name: one["type"] for name, one in known.items()}
     try:
         values, unknown = values_in(given.file, node, types, wildcards=not given.no_use_wildcard)
     except ConfigurationError as error:
         raise UsageError(str(error)) from error
     if not values and not unknown:
         raise ControlError(f"{given.file} has no parameters for {node}", "unknown")
+    # What `param dump` prints has read-only parameters too, which have that value already.
+    values = {
+        name: value
+        for name, value in values.items()
+        if not (described[name].get("read_only") and known[name]["value"] == value)
+    }
     results = questions.set_parameters(given.node, values) if values else {}
     failures = len(unknown)
     for name, result in results.items():

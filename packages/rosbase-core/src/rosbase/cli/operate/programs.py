@@ -79,8 +79,8 @@ def _launched(one: Launched) -> tuple[str, ...]:
 
 
 def stop(given: Any) -> None:
-    """End a program in order."""
-    print(f"stopping {ProgramQuestions().stop(given.name)}")
+    """End a program in order, and wait for its end."""
+    print(f"stopped {ProgramQuestions().stop(given.name, timeout_s=given.timeout)}")
 
 
 def restart(given: Any) -> None:

@@ -115,7 +115,7 @@ _NODE = Argument("node", "name of the node", completes="nodes")
 _SERVICE = Argument("service", "name of the service", completes="services")
 _PARAMETER = Argument("parameter", "name of the parameter", completes="parameters")
 _LIFECYCLE_NODE = Argument("node", "name of the node", completes="lifecycle_nodes")
-_ALL = Option("-a --include-hidden --all", "list hidden ones too, such as /_private")
+_HIDDEN = "list hidden ones too, such as /_private"
 _TYPES = Option("-t --show-types", "print the types too")
 _VALUES = "the values in YAML, such as '{x: 1.5}'; fields that are left out have their defaults"
 
@@ -214,6 +214,13 @@ GROUPS: dict[str, Command | Group] = {
         "programs.stop",
         Argument("name", "a program, the number of its process, or a program of `rosbase up`",
                  completes="stoppable"),
+        Option(
+            "--timeout",
+            "how long to wait for the end, in seconds (10)",
+            value="S",
+            kind="positive",
+            default=10.0,
+        ),
     ),
     "restart": Command(
         "start a program of `rosbase up` anew",
@@ -239,7 +246,7 @@ GROUPS: dict[str, Command | Group] = {
             "list": Command(
                 "list the nodes",
                 "nodes.show_list",
-                _ALL,
+                Option("-a --all", _HIDDEN),
                 Option("-c --count-nodes", "print only how many there are"),
             ),
             "info": Command(
@@ -254,7 +261,7 @@ GROUPS: dict[str, Command | Group] = {
                 "list the topics",
                 "topics.show_list",
                 _TYPES,
-                _ALL,
+                Option("-a --include-hidden-topics --all", _HIDDEN),
                 Option("-c --count-topics", "print only how many there are"),
                 Option("-v --verbose", "print the number of publishers and subscriptions"),
             ),
@@ -291,7 +298,8 @@ GROUPS: dict[str, Command | Group] = {
     "service": Group(
         "list and call services",
         {
-            "list": Command("list the services", "services.show_list", _TYPES, _ALL,
+            "list": Command("list the services", "services.show_list", _TYPES,
+                            Option("-a --include-hidden-services --all", _HIDDEN),
                             Option("-c --count-services", "print only how many there are")),
             "type": Command("print the type of a service", "services.show_type", _SERVICE),
             "call": Command(

@@ -2,8 +2,9 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Set
+from collections.abc import Callable, Sequence, Set
 from itertools import count
+from operator import mul, sub
 from typing import Any
 
 from rosbase.clock import SystemClock
@@ -23,9 +24,11 @@ _HEADER = "std_msgs/msg/Header"
 _NS_PER_S = 1_000_000_000
 # Of these, times are kept until the next look.
 _MOST_TIMES = 100_000
-# Messages are kept only as long as they must be.
 _MOST_MESSAGES = 1_000
-_LOOK_NS = 50_000_000
+# In short turns, so that the main loop is not kept from Python's lock for long.
+_LOOK_NS = 100_000_000
+# Messages are kept only as long as they must be.
+_LOOK_AT_MESSAGES_NS = 50_000_000
 
 
 class TopicCount(Stream):
@@ -129,29 +132,39 @@ class TopicCount(Stream):
     # On the thread of the socket.
 
     def _next_look(self, now_ns: int) -> int:
-        return min(now_ns + _LOOK_NS, self._event_ns) if self._keeps else self._event_ns
+        patience_ns = _LOOK_AT_MESSAGES_NS if self._keeps else _LOOK_NS
+        return min(now_ns + patience_ns, self._event_ns)
 
     def _count(self) -> None:
         """Count what has come since the last look."""
-        while self._times:
-            serial, time_ns = self._times.popleft()
-            self._counted += max(0, serial - self._total)
-            self._total = max(self._total, serial)
+        take = self._times.popleft
+        noted = [take() for _ in range(len(self._times))]
+        if noted:
+            last = max(noted)[0]
+            self._counted, self._total = self._counted + last - self._total, last
+            times = [time_ns for _, time_ns in noted]
             if self._last_ns is not None:
-                self._intervals.add(time_ns - self._last_ns)
-            self._last_ns = time_ns
-        offset_ns = _CLOCK.now_ns() - self._now_ns()
-        while self._messages:
-            time_ns, message = self._messages.popleft()
-            data = message if isinstance(message, bytes) else self._written(message)
-            if data is None:
-                continue
-            if self._sizes is not None:
-                self._sizes.add(len(data))
-            if self._delays is not None:
-                self._delays.add(time_ns + offset_ns - _stamp_ns(data))
+                times.insert(0, self._last_ns)
+            self._last_ns = times[-1]
+            self._intervals.add(list(map(sub, times[1:], times)))
+        if self._messages:
+            self._measure()
+
+    def _measure(self) -> None:
+        """Measure the messages that have come since the last look."""
+        take = self._messages.popleft
+        kept = [take() for _ in range(len(self._messages))]
+        written = [(time_ns, self._written(message)) for time_ns, message in kept]
+        found = [(time_ns, data) for time_ns, data in written if data is not None]
+        if self._sizes is not None:
+            self._sizes.add([len(data) for _, data in found])
+        if self._delays is not None:
+            offset_ns = _CLOCK.now_ns() - self._now_ns()
+            self._delays.add([time_ns + offset_ns - _stamp_ns(data) for time_ns, data in found])
 
     def _written(self, message: Any) -> bytes | None:
+        if isinstance(message, bytes):
+            return message
         if message is None or self._form is None:
             return None
         try:
@@ -178,42 +191,40 @@ class TopicCount(Stream):
 
 
 class _Figures:
-    """Least, greatest, mean and standard deviation of numbers, none of which is kept."""
+    """Least, greatest, mean and standard deviation of whole numbers, none of which is kept."""
 
     def __init__(self) -> None:
         self.clear()
 
     def clear(self) -> None:
         """Forget all numbers."""
-        self.count = self.total = 0
-        self._least = self._most = 0
-        self._mean = self._squares = 0.0
+        self.count = self.total = self._squares = 0
+        self._least: int | None = None
+        self._most: int | None = None
 
-    def add(self, number: int) -> None:
-        """Take a number."""
-        self.count += 1
-        self.total += number
-        if self.count == 1:
-            self._least = self._most = number
-        elif number < self._least:
-            self._least = number
-        elif number > self._most:
-            self._most = number
-        # As Welford has it: no difference of large sums.
-        difference = number - self._mean
-        self._mean += difference / self.count
-        self._squares += difference * (number - self._mean)
+    def add(self, numbers: Sequence[int]) -> None:
+        """Take some numbers."""
+        if not numbers:
+            return
+        self.count += len(numbers)
+        # Whole numbers, so that differences of large sums are exact.
+        self.total += sum(numbers)
+        self._squares += sum(map(mul, numbers, numbers))
+        least, most = min(numbers), max(numbers)
+        self._least = least if self._least is None else min(least, self._least)
+        self._most = most if self._most is None else max(most, self._most)
 
     def facts(self, prefix: str, unit: str) -> dict[str, Any]:
         """Return the figures by their names; each is null without a number."""
-        if not self.count:
-            names = ("min", "max", "mean", "std")
-            return {f"{prefix}{name}{unit}": None for name in names}
+        mean = std = None
+        if self.count:
+            mean = self.total / self.count
+            std = math.sqrt(self._squares * self.count - self.total**2) / self.count
         return {
             f"{prefix}min{unit}": self._least,
             f"{prefix}max{unit}": self._most,
-            f"{prefix}mean{unit}": self.total / self.count,
-            f"{prefix}std{unit}": math.sqrt(self._squares / self.count),
+            f"{prefix}mean{unit}": mean,
+            f"{prefix}std{unit}": std,
         }
 
 

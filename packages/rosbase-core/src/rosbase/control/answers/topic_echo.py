@@ -20,7 +20,7 @@ _date_ns = SystemClock.now_ns
 
 
 class TopicEcho(Stream):
-    """Messages as events, the newest of them if the client is slow.
+    """Messages as events, the newest of them if the client is slow; first those that are kept.
 
     The publishing thread only appends the message. It is written as bytes on the socket's thread,
     unless it can be changed meanwhile.
@@ -42,6 +42,7 @@ class TopicEcho(Stream):
         self._every_ns = every_ns
         self._now_ns = now_ns
         self._waiting: deque[tuple[int, int, Any]] = deque(maxlen=limit)
+        self._kept: deque[Any] = deque(maxlen=limit)
         self._serial = count(1).__next__
         self._last_serial = 0
         self._taken = 0
@@ -56,9 +57,17 @@ class TopicEcho(Stream):
         """Begin to hear the topic."""
         on_message = self._hear_some if self._every_ns else self._hear
         self._tap = topic.backend.add_tap(topic.name, on_message)
+        # After that, so that none is missed; what both have is heard once.
+        heard = [id(message) for _, _, message in list(self._waiting)]
+        kept = topic.backend.kept_messages(topic.name)
+        self._kept.extend(message for message in kept if id(message) not in heard)
 
-    def take(self) -> tuple[dict[str, Any], bytes] | None:
+    def take(self) -> tuple[str, bytes] | None:
         """Return the next message."""
+        while self._kept:
+            data = self._written(self._kept.popleft())
+            if data is not None:
+                return '{"stamp_ns":null,"dropped":0}', data
         while True:
             try:
                 serial, stamp_ns, message = self._waiting.popleft()
@@ -70,9 +79,10 @@ class TopicEcho(Stream):
             self._taken += 1
             self._last_serial = max(self._last_serial, serial)
             self.dropped = self._last_serial - self._taken
-            data = message if type(message) is bytes else self._written(message)
+            data = self._written(message)
             if data is not None:
-                return {"stamp_ns": stamp_ns, "dropped": self.dropped}, data
+                # As JSON: there may be thousands in a second.
+                return f'{{"stamp_ns":{stamp_ns},"dropped":{self.dropped}}}', data
 
     def close(self) -> None:
         """Hear nothing any more."""
@@ -93,8 +103,8 @@ class TopicEcho(Stream):
 
     def _written(self, message: Any) -> bytes | None:
         """Return a message as bytes; None if it has none."""
-        if message is None:
-            return None
+        if message is None or type(message) is bytes:
+            return message
         try:
             return self._encode(message)
         except (TypeError, ValueError):

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from rosbase.control.gathering import Ask
     from rosbase.control.shapes import Process
+    from rosbase.control.time_limit import TimeLimit
 
 __all__ = ["Questions", "label"]
 
@@ -25,7 +26,8 @@ class Questions:
     """Questions to all programs, or to one.
 
     Nothing is kept between two questions, so any thread may ask, and each answer is of the
-    programs that run at that time.
+    programs that run at that time. Only a program that has not answered is left out for five
+    seconds, so that it does not delay each question.
     """
 
     def __init__(
@@ -44,6 +46,7 @@ class Questions:
         self._program = program
         self._timeout_s = timeout_s
         self._on_silent = on_silent
+        self._silent_until: dict[str, TimeLimit] = {}
 
     def require(self) -> None:
         """Check that the chosen program runs.
@@ -72,7 +75,7 @@ class Questions:
             ControlError: The chosen program does not run.
         """
         pids = self._chosen()
-        found = gather(asks, self._timeout_s, pids, self._on_silent)
+        found = gather(asks, self._timeout_s, pids, self._on_silent, self._silent_until)
         if pids is not None and not found:
             raise self._not_running()
         return [(replies.pid, replies.answers) for replies in found]
@@ -91,7 +94,8 @@ class Questions:
 
     def _named(self, name: str) -> Process:
         """Return the process with a program of that name, or that pid."""
-        replies = gather([("process", {})], self._timeout_s, None, self._on_silent)
+        asks: list[Ask] = [("process", {})]
+        replies = gather(asks, self._timeout_s, None, self._on_silent, self._silent_until)
         found = [reply.answers[0] for reply in replies]
         processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
         if name.isdecimal():

@@ -9,7 +9,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from rosbase.control.shapes import LifecycleState, Transition, TransitionResult
+    from rosbase.control.shapes import LifecycleState, TransitionInfo, TransitionResult
 
 __all__ = ["LifecycleQuestions"]
 
@@ -36,14 +36,14 @@ class LifecycleQuestions(Questions):
         full, pid = self._among(node, states)
         return next(s for s in states if (s["name"], s["pid"]) == (full, pid))
 
-    def transitions(self, node: str) -> list[Transition]:
+    def transitions(self, node: str) -> list[TransitionInfo]:
         """Return the transitions that a node offers in its state.
 
         Raises:
             ControlError: As from `lifecycle_state`.
         """
         full, pid = self._among(node, self.lifecycle_states())
-        found: list[Transition] = ask_one(pid, "lifecycle.get", {"node": full})[0]["available"]
+        found: list[TransitionInfo] = ask_one(pid, "lifecycle.get", {"node": full})[0]["available"]
         return found
 
     def change_state(

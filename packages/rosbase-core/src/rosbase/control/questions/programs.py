@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rosbase.control.gathering import ask_one, gather
+from rosbase.control.gathering import ask_one, connect_to
 from rosbase.control.questions.base import Questions, label
+from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
 
     from rosbase.control.gathering import Ask
     from rosbase.control.shapes import Launched, LogRecord, Process, Statistics
-    from rosbase.control.watching import Watch
 
 __all__ = ["ProgramQuestions"]
 
@@ -40,17 +40,16 @@ class ProgramQuestions(Questions):
             last: How many records from the end; None for all that the programs have kept.
             follow: Whether to go on with new records, until the programs have ended.
         """
+        from rosbase.control.joined_log import joined
         from rosbase.control.watching import Watch
 
-        pids = self._chosen()
-        if pids is None:
-            pids = [replies.pid for replies in gather([], self._timeout_s)]
+        processes = self.processes()
         arguments: dict[str, object] = {"level": level, "follow": follow}
         if last is not None:
             arguments["last"] = last
-        watch = Watch(pids, "log", arguments)
+        watch = Watch([process["pid"] for process in processes], "log", arguments)
         try:
-            yield from _in_order(watch, last)
+            yield from joined(watch, processes, last)
         finally:
             watch.close()
 
@@ -75,20 +74,27 @@ class ProgramQuestions(Questions):
         ]
         return found
 
-    def stop(self, name: str | int) -> str:
-        """End a program in order, as with Ctrl-C; return what was asked to end.
+    def stop(self, name: str | int, *, timeout_s: float = 10.0) -> str:
+        """End a program in order, as with Ctrl-C, and wait for its end; return what has ended.
 
         Args:
             name: A program, its pid, or the name of a program that `rosbase up` has started.
+            timeout_s: How long to wait, in seconds.
 
         Raises:
-            ControlError: No program has that name, or several have.
+            ControlError: No program has that name, or several have, or it has not ended in time.
         """
         if (one := self._launched_as(str(name))) is not None:
             ask_one(one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S)
             return one["name"]
         process = self._named(str(name))
-        ask_one(process["pid"], "stop", {})
+        connection = connect_to(process["pid"])
+        try:
+            connection.ask("stop", {}, wait_s=timeout_s)
+            if not connection.wait_for_end(TimeLimit(timeout_s)):
+                raise ControlError(f"{label(process)} still runs", "timeout")
+        finally:
+            connection.close()
         return label(process)
 
     def restart(self, name: str) -> str:
@@ -111,30 +117,11 @@ class ProgramQuestions(Questions):
         Raises:
             ControlError: Several launchers have one.
         """
-        those = [o for o in self.launched() if name in (o["name"], str(o["pid"]))]
+        found = self.launched()
+        those = [o for o in found if name in (o["name"], str(o["pid"]))]
+        # Within a session, programs have short names.
+        those = those or [o for o in found if name == o["name"].rpartition("/")[2]]
         if len(those) > 1:
             who = ", ".join(f"process {one['launcher']}" for one in those)
             raise ControlError(f"several launchers have a program {name}: {who}", "ambiguous")
         return those[0] if those else None
-
-
-def _in_order(watch: Watch, last: int | None) -> Iterator[LogRecord]:
-    """Yield what the programs had kept, in the order of time, and then what comes."""
-    expected = sum(stream.answer.get("count", 0) for stream in watch.streams)
-    kept: list[LogRecord] = []
-    for record in watch.pid_events():
-        if expected == 0:
-            yield record
-            continue
-        kept.append(record)
-        expected -= 1
-        if expected == 0:
-            yield from _newest(kept, last)
-    if expected > 0:
-        # A program has ended in between.
-        yield from _newest(kept, last)
-
-
-def _newest(records: list[LogRecord], last: int | None) -> list[LogRecord]:
-    records.sort(key=lambda record: record["stamp_ns"])
-    return records if last is None else records[max(0, len(records) - last) :]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import Any
 
-    from rosbase.control.shapes import Service
+    from rosbase.control.shapes import ServiceInfo
 
 __all__ = ["PreparedService", "ServiceQuestions"]
 
@@ -63,7 +63,7 @@ class PreparedService:
 class ServiceQuestions(Questions):
     """Questions about services, and calls of them."""
 
-    def services(self) -> list[Service]:
+    def services(self) -> list[ServiceInfo]:
         """Return the services of all programs, by name."""
         found: list[Any] = [
             {**service, "pid": pid}

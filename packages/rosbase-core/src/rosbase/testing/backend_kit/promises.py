@@ -91,6 +91,10 @@ _SENTENCES = {
     "wrong-taps-are-errors": (
         "A tap of an invalid topic name, or of a closed backend, is a BackendError of one line"
     ),
+    "kept-messages-are-told": (
+        "kept_messages has what the TRANSIENT_LOCAL publishers of a topic keep, in order, and"
+        " nothing of publishers that have ended"
+    ),
     "graphs-tell-the-ends": (
         "The graph has each publisher, subscription, service and client while it exists, with its"
         " node, full name, type and quality of service"

@@ -127,6 +127,27 @@ class TapChecks(BackendRig):
         self._require_numbers(promised, [listener.numbers, ear.numbers], [[1, 2, 3]] * 2)
         promised.require(len(calls) == 1, f"a tap that raises was called {len(calls)} times")
 
+    def test_kept_messages_are_told(self) -> None:
+        promised, backend = self._tapped("kept-messages-are-told")
+        decode = backend.message_format(Vector3).decode
+
+        def kept() -> list[int]:
+            found = backend.kept_messages(self.topic)
+            messages = [decode(one) if isinstance(one, bytes) else one for one in found]
+            return [int(message.x) for message in messages]
+
+        talker, volatile = self.talker(backend, _LATCHED), self.talker(backend)
+        send = backend.prepared_sender(talker.publisher, Vector3(), ["x"])
+        self._require_numbers(promised, [kept()], [[]])
+        talker.say(1, 2)
+        volatile.say(7)
+        self._require_numbers(promised, [kept()], [[1, 2]])
+        talker.say(3)
+        send(4.0)
+        self._require_numbers(promised, [kept()], [[2, 3, 4]])
+        backend.destroy_publisher(talker.publisher)
+        self._require_numbers(promised, [kept()], [[]])
+
     def test_wrong_taps_are_errors(self) -> None:
         promised, backend = self._tapped("wrong-taps-are-errors")
         for name in ("", "a//b", "a b", 5):

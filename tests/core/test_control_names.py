@@ -1,0 +1,102 @@
+"""Names that users give, and which programs hear each other: the pure parts of the client."""
+
+from typing import Any
+
+import pytest
+
+from rosbase.control.buses import buses, observers, on_several
+from rosbase.control.names import full_type, is_hidden, one_of, similar, unknown
+from rosbase.errors import ControlError
+
+
+def process(pid: int, backend: str | None, *children: int, kind: str = "manager") -> Any:
+    program = {
+        "backend": backend,
+        "kind": kind,
+        "children": [{"name": "c", "pid": child, "running": True} for child in children],
+    }
+    return {"pid": pid, "programs": [program]}
+
+
+def grouped(*processes: Any) -> set[tuple[str, frozenset[int]]]:
+    return {(bus.backend, bus.pids) for bus in buses(processes)}
+
+
+def topic(publishers: list[int], subscribers: list[int]) -> Any:
+    return {
+        "name": "/x",
+        "types": [],
+        "publishers": [{"pid": pid} for pid in publishers],
+        "subscriptions": [{"pid": pid} for pid in subscribers],
+    }
+
+
+def test_programs_on_local_are_alone_and_those_on_ros_are_joined() -> None:
+    assert grouped(
+        process(1, "local"), process(2, "local"), process(3, "ros2"), process(4, "ros2")
+    ) == {
+        ("local", frozenset({1})),
+        ("local", frozenset({2})),
+        ("ros2", frozenset({3, 4})),
+    }
+
+
+def test_children_are_on_the_bus_of_their_manager_also_those_of_children() -> None:
+    found = grouped(process(1, "local", 2, 9), process(2, "local", 3), process(3, "local"))
+    assert found == {("local", frozenset({1, 2, 3}))}
+
+
+def test_programs_of_a_launcher_are_programs_of_their_own() -> None:
+    found = grouped(
+        process(1, None, 2, 3, kind="launcher"), process(2, "local"), process(3, "local")
+    )
+    assert ("local", frozenset({2})) in found
+    assert ("local", frozenset({3})) in found
+
+
+@pytest.mark.parametrize(
+    ("publishers", "subscribers", "seen_in"),
+    [
+        ([1], [], [1]),
+        ([1], [2], [1]),
+        ([], [2, 3], [2]),
+        ([1, 2], [], [1, 2]),
+        ([1, 2], [2, 3], [2]),
+        ([1, 2], [3], [3]),
+    ],
+)
+def test_each_message_is_seen_once(
+    publishers: list[int], subscribers: list[int], seen_in: list[int]
+) -> None:
+    (bus,) = buses([process(pid, "ros2") for pid in (1, 2, 3)])
+    assert observers(topic(publishers, subscribers), bus) == seen_in
+
+
+def test_a_topic_is_on_the_buses_of_its_ends() -> None:
+    both = buses([process(1, "local"), process(2, "local"), process(3, "local")])
+    assert [bus.pids for bus in on_several(topic([1], [3]), both)] == [{1}, {3}]
+
+
+def test_a_name_without_its_slash_and_in_one_program_is_found() -> None:
+    owners = {"/camera": [1], "/arm": [1, 2]}
+    assert one_of("node", "camera", owners, {}) == ("/camera", 1)
+    with pytest.raises(ControlError, match=r"^node /arm is in 2 programs: left \[1\], 2; choose"):
+        one_of("node", "arm", owners, {1: "left [1]"})
+    with pytest.raises(ControlError, match=r"^no node camra; did you mean /camera\?$") as caught:
+        one_of("node", "camra", owners, {})
+    assert (caught.value.kind, caught.value.suggestions) == ("unknown", ["/camera"])
+
+
+def test_the_last_part_of_a_name_is_enough_for_a_suggestion() -> None:
+    assert similar("data", ["/imu/data", "/gps/data", "/date"])[:2] == ["/gps/data", "/imu/data"]
+    assert str(unknown("topic", "zzz", [f"/t{n}" for n in range(12)])).endswith("/t7, ...")
+    assert str(unknown("topic", "zzz", [])) == "no topic zzz; there is no topic at all"
+
+
+def test_types_are_completed_and_hidden_names_known() -> None:
+    assert full_type("std_msgs/String") == "std_msgs/msg/String"
+    assert full_type("std_srvs/Trigger", "srv") == "std_srvs/srv/Trigger"
+    assert full_type("std_msgs/msg/String") == "std_msgs/msg/String"
+    assert full_type("String") == "String"
+    assert is_hidden("/a/_b")
+    assert not is_hidden("/a_/b")
