@@ -392,6 +392,7 @@ def waiting_programs(draw: st.DrawFn) -> dict[str, list[str]]:
     }
     return {name: after[name] for name in draw(st.permutations(names))}
 
+
 # All that has a meaning somewhere in YAML, and words that are no texts without quotes.
 YAML_TEXTS = st.text(
     st.sampled_from("ab -:#,[]{}'\"\n01.+eE?!&*%@`|>~=yYoOnN_xé\\/<\xa0"), max_size=6
