@@ -170,7 +170,7 @@ def _texts(folder: Path) -> dict[str, str]:
 @nox.session(python=PYTHONS)
 def integration(session: nox.Session) -> None:
     """All distributions together, as processes, on real lines."""
-    session.install(TERMINAL, *TEST_TOOLS)
+    session.install("pyyaml>=6", TERMINAL, *TEST_TOOLS)
     _install(session, *DISTRIBUTIONS)
     _test_on_each(session, "tests/integration")
 
@@ -318,6 +318,16 @@ def signals(session: nox.Session) -> None:
     _install(session, "rosbase-core")
     options = ["-q", "-n", "4", "tests/core/test_signals.py", "-k", "random_moments"]
     session.run("pytest", *options, *session.posargs, env={"ROSBASE_SIGNAL_RUNS": "200"})
+
+
+@nox.session(default=False)
+def launcher(session: nox.Session) -> None:
+    """Fifty programs up and down twenty times, with SIGKILL at random moments: some ten minutes."""
+    session.install(*TEST_TOOLS)
+    _install(session, "rosbase-core")
+    runs = {"ROSBASE_LAUNCHER_RUNS": "20", "ROSBASE_LAUNCHER_PROGRAMS": "50"}
+    test = "tests/core/test_launcher_campaign.py"
+    session.run("pytest", "-q", test, *session.posargs, env=runs)
 
 
 @nox.session(default=False)

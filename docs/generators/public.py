@@ -15,6 +15,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Roles": ("roles", "manager", "lifecycle"),
     "Messages": ("messages",),
     "Child processes": ("processes",),
+    "Launching programs": ("launcher",),
     "Quality of service": ("qos",),
     "Parameters": ("parameters", "contracts.parameter_store"),
     "The IMU reader": ("imu",),

@@ -1,12 +1,17 @@
 """The mark by which the descendants of a child are known."""
 
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosbase.clock import SystemClock
+from rosbase.processes.adoption import end_family
 from rosbase.processes.guardian import MARK_VARIABLE
 from rosbase.processes.mark import (
     Mark,
@@ -16,8 +21,10 @@ from rosbase.processes.mark import (
     marks_in,
     program_identity,
 )
+from rosbase.processes.proc import read_of
 from support.program import running
 from support.strategies import child_marks
+from support.waiting import wait_until
 
 environments = st.lists(st.binary(max_size=30).filter(lambda text: b"\0" not in text))
 
@@ -86,3 +93,23 @@ def test_a_program_has_the_same_name_each_time_and_another_program_another(
             found.append(program.end()[1])
     assert found[0] == found[1] != found[2]
     assert found[0] != f"{program_identity()}\n"
+
+
+class SlowMachine(SystemClock):
+    """Each look at the processes takes longer than the time that there is for all."""
+
+    def __init__(self) -> None:
+        self._passed_ns = 0
+
+    def monotonic_ns(self) -> int:
+        self._passed_ns += 10_000_000_000
+        return self._passed_ns
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="marks are found in /proc")
+def test_a_family_is_killed_on_a_machine_that_is_too_busy_to_look_in_time() -> None:
+    mark = Marks().make("x")
+    with subprocess.Popen(["sleep", "1000"], env=marked_environment(mark)) as process:
+        wait_until(lambda: mark in marks_in(read_of(process.pid, "environ")), "its environment")
+        assert end_family(mark, SlowMachine()) == []
+        assert process.wait(10) == -signal.SIGKILL

@@ -3,6 +3,7 @@
 import errno
 import os
 import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -86,8 +87,8 @@ def test_if_there_are_no_more_descriptors_nothing_is_left(
 
 
 def test_if_it_is_interrupted_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupted = fail_after(2, launch._start_guarded, KeyboardInterrupt())
-    monkeypatch.setattr(launch, "_start_guarded", interrupted)
+    interrupted = fail_after(2, launch.start_guarded, KeyboardInterrupt())
+    monkeypatch.setattr(launch, "start_guarded", interrupted)
     with pytest.raises(KeyboardInterrupt):
         register_multiprocess_nodes(NODES, COMMANDS)
 
@@ -196,9 +197,9 @@ def test_a_guardian_that_cannot_fork_says_so_and_the_child_counts_as_failed(
 ) -> None:
     # As it is, but without a process to give.
     guardian = tmp_path / "guardian.py"
-    original = Path(launch._GUARDIAN).read_text()
+    original = Path(launch.GUARDIAN).read_text()
     guardian.write_text(original.replace("os.fork()", "open('/no/such/process')"))
-    monkeypatch.setattr(launch, "_GUARDIAN", str(guardian))
+    monkeypatch.setattr(launch, "GUARDIAN", str(guardian))
     policy = RestartPolicy("on-failure", limit=1, first_delay_s=0.0)
     processes = register_multiprocess_nodes({}, {"x": "true"}, restart=policy)
     wait_until(lambda: "x: not started again: 1 in a row" in caplog.messages, "two tries")
@@ -206,6 +207,42 @@ def test_a_guardian_that_cannot_fork_says_so_and_the_child_counts_as_failed(
     assert caplog.messages.count("x: cannot be started: No such file or directory") == 2
     assert processes["x"].exit_code == 126
     assert "Traceback" not in caplog.text
+
+
+IGNORES = """
+import signal, time
+
+def end(*_):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    time.sleep(0.6)
+    raise SystemExit(0)
+
+signal.signal(signal.SIGINT, end)
+print("ready", flush=True)
+while True:
+    signal.pause()
+"""
+
+
+def test_a_program_that_ignores_signals_while_it_ends_is_given_its_time(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A guardian that is slow to look at the program after it has sent a signal.
+    guardian = tmp_path / "guardian.py"
+    slow = "_ignoring_absence(os.killpg, self._command, number); time.sleep(0.2)"
+    original = Path(launch.GUARDIAN).read_text()
+    quick = "_ignoring_absence(os.killpg, self._command, number)"
+    assert original.count(quick) == 1
+    guardian.write_text(original.replace(quick, slow))
+    monkeypatch.setattr(launch, "GUARDIAN", str(guardian))
+    program = tmp_path / "program.py"
+    program.write_text(IGNORES)
+    caplog.set_level("INFO")
+    processes = register_multiprocess_nodes({}, {"x": f"exec {sys.executable} {program}"})
+    wait_until(lambda: "x: ready" in caplog.messages, "its handler")
+    shutdown_multiprocess_nodes(processes)
+    assert processes["x"].exit_code == 0
+    assert "x: had to be killed" not in caplog.messages
 
 
 DELETED = """

@@ -36,7 +36,7 @@ def test_every_option_of_a_command_stands_in_its_table_and_no_other_does(name: s
     OURS[name].configure(parser)
     options = {option for action in parser._actions for option in action.option_strings}
     names = [action.dest for action in parser._actions if not action.option_strings]
-    assert names == (["target", "arguments"] if name == "run" else [])
+    assert names == {"run": ["target", "arguments"], "up": ["config"]}.get(name, [])
     section = COMMANDS.split(f"\n## rosbase {name}\n")[1].split("\n## ")[0]
     documented = {cell.split()[0] for cell in named_in_tables(section) if cell.startswith("-")}
     assert documented == options

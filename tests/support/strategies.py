@@ -357,6 +357,42 @@ yaml_scalars = (
 
 node_names = st.text("abZ09_-/~.ä ", max_size=8)
 
+# Files of the launcher: names, and values that may stand where something else should.
+program_names = st.text("ABCdef_123é", min_size=1, max_size=8)
+_launcher_keys = st.sampled_from(
+    [
+        *("sessions", "env", "nodes", "session_name", "workspace_root", "ros_setup", "conda_env"),
+        *("name", "project", "command", "cpus", "autostart", "restart", "required", "after"),
+        *("after_timeout_s", "parameters", "backend", "pty", "policy", "limit", "log", "backoff_s"),
+    ]
+)
+_launcher_scalars = (
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | program_names
+)
+launcher_data = st.dictionaries(
+    _launcher_keys,
+    st.recursive(
+        _launcher_scalars | st.sampled_from(["on-failure", "0-3", "exit 0", "log: (", "started"]),
+        lambda inner: (
+            st.lists(inner, max_size=3) | st.dictionaries(_launcher_keys, inner, max_size=6)
+        ),
+        max_leaves=25,
+    ),
+    max_size=4,
+)
+
+
+@st.composite
+def waiting_programs(draw: st.DrawFn) -> dict[str, list[str]]:
+    """Programs with the ones that each waits for, without a circle, in any order."""
+    names = draw(st.lists(program_names, unique=True, min_size=1, max_size=8))
+    after = {
+        name: draw(st.lists(st.sampled_from(names[:n]), unique=True)) if n else []
+        for n, name in enumerate(names)
+    }
+    return {name: after[name] for name in draw(st.permutations(names))}
+
+
 # All that has a meaning somewhere in YAML, and words that are no texts without quotes.
 YAML_TEXTS = st.text(
     st.sampled_from("ab -:#,[]{}'\"\n01.+eE?!&*%@`|>~=yYoOnN_xé\\/<\xa0"), max_size=6

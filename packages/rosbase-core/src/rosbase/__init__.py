@@ -122,6 +122,7 @@ if TYPE_CHECKING:
     from rosbase.imu.simulator import (
         ImuSimulator,
     )
+    from rosbase.launcher import BaseLauncher
     from rosbase.lifecycle import (
         CallbackReturn,
         ManagedNode,
@@ -240,6 +241,7 @@ __all__ = [
     "Backoff",
     "BaseAgent",
     "BaseHandlers",
+    "BaseLauncher",
     "BaseManager",
     "BaseNode",
     "Batch",
@@ -391,6 +393,7 @@ _HOMES = {
     "BackendPlugin": "rosbase.plugins",
     "Backoff": "rosbase.runtime.backoff",
     "BaseAgent": "rosbase.roles.agent",
+    "BaseLauncher": "rosbase.launcher",
     "BaseHandlers": "rosbase.roles.handlers",
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.roles.node",

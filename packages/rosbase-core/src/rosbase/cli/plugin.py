@@ -16,6 +16,7 @@ _COMMANDS = (
     ("demo", "read a simulated IMU over a real link", "rosbase.cli.demo"),
     ("simulate", "run a simulated IMU for you to read", "rosbase.cli.simulate"),
     (_RUNS_PROGRAMS, "run a program, with parameters from outside", "rosbase.cli.run_program"),
+    ("up", "start the programs of a file, and stop them together", "rosbase.launcher.command"),
     ("doctor", "find problems on this machine, and say what to do", "rosbase.cli.doctor"),
     ("plugins", "list the installed plugins", "rosbase.cli.list_plugins"),
 )

@@ -20,6 +20,7 @@ from rosbase.parameters.written import WrittenText, from_outside, parse_text, pa
 
 __all__ = [
     "GIVEN_VARIABLE",
+    "LAUNCHED_VARIABLE",
     "GivenParameters",
     "GivenValue",
     "are_inherited",
@@ -32,6 +33,8 @@ GIVEN_VARIABLE = "ROSBASE_PARAMETERS"
 _ANY = ("", "/**", "**")
 # Of a process that a manager has started.
 _CHILD_MARK = "ROSBASE_CHILD_MARK"
+LAUNCHED_VARIABLE = "ROSBASE_LAUNCHED"
+"""Environment variable with the number of marks of a program that the launcher has started."""
 
 
 @frozen
@@ -146,8 +149,13 @@ class GivenParameters:
 
 
 def are_inherited() -> bool:
-    """Return whether the values were given to the manager that has started this process."""
-    return _CHILD_MARK in os.environ
+    """Return whether the values were given to the manager that has started this process.
+
+    The launcher gives each program values of its own, although it marks it like a child.
+    """
+    marks = os.environ.get(_CHILD_MARK, "").split()
+    launched = os.environ.get(LAUNCHED_VARIABLE, "")
+    return len(marks) > (int(launched) if launched.isdecimal() else 0)
 
 
 def given_parameters() -> GivenParameters:

@@ -117,9 +117,11 @@ class Guardian:
             self._is_killing = number == SIGKILL
             if self._is_killing:
                 self._say("killed")
+            # What a shell puts into the background ignores SIGINT: not worth waiting for. Looked at
+            # before the signal, because a program may ignore further ones while it ends.
+            is_worth_it = not family or any(_can_answer(pid, number) for pid in family)
             self._signal(number, family)
-            # What a shell puts into the background ignores SIGINT: not worth waiting for.
-            if not family or any(_can_answer(pid, number) for pid in family):
+            if is_worth_it:
                 self._stage_ends = time.monotonic() + seconds
 
     def _signal(self, number: int, family: list[int]) -> None:

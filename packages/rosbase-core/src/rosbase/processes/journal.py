@@ -44,7 +44,7 @@ class Journal:
         """Write the output of a child; log its tracebacks as errors."""
         for line in lines:
             # Python says with a traceback that it was interrupted, which is how a stop begins.
-            is_error = life.tracebacks.is_part(line) and not self.is_ending
+            is_error = life.tracebacks.is_part(line) and not (self.is_ending or life.was_asked)
             self.write(logging.ERROR if is_error else logging.INFO, life.child.name, line)
 
     def write_end(self, life: Life) -> None:
@@ -52,7 +52,8 @@ class Journal:
         child, code = life.child, life.child.exit_code
         if code is not None and not life.is_reported:
             life.is_reported = True
-            level = logging.ERROR if life.has_failed and not self.is_ending else logging.INFO
+            is_error = life.has_failed and not (self.is_ending or life.was_asked)
+            level = logging.ERROR if is_error else logging.INFO
             why = life.why_not_started
             self.write(
                 level, child.name, f"cannot be started: {why}" if why else describe_end(code)

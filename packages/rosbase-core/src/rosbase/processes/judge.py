@@ -23,7 +23,7 @@ class Judge:
     """
 
     def __init__(self, journal: Journal) -> None:
-        self._journal = journal
+        self.journal = journal
         self._later: list[tuple[int, Life, float]] = []
         # When whom to start again.
         self._starts: dict[ChildProcess, int] = {}
@@ -50,51 +50,64 @@ class Judge:
         """Note that a child has ended."""
         ran_s = (now_ns - life.started_ns) / _NS_PER_S
         if not life.may_be_a_stop or not life.has_failed:
-            self._journal.write_end(life)
-        if (life.may_be_a_stop or life.child.is_required) and not self._journal.is_ending:
+            self.journal.write_end(life)
+        if self.hesitates(life) and not self.journal.is_ending:
             self._later.append((now_ns + _HESITATION_NS, life, ran_s))
         else:
             self._judge(life, now_ns, ran_s)
 
+    def hesitates(self, life: Life) -> bool:
+        """Return whether to wait for half a second, in which the manager may be stopped too."""
+        return life.may_be_a_stop or life.child.is_required
+
     def could_not_start(self, child: ChildProcess, now_ns: int) -> None:
         """Note that a child could not be started again."""
-        self._decide(child, now_ns, failed=True, ran_s=0.0, status=1)
+        self.decide(child, now_ns, failed=True, ran_s=0.0, status=1)
 
     def to_start(self, now_ns: int) -> Iterator[ChildProcess]:
         """Judge children whose time has come; return the ones to start now."""
         waiting, self._later = self._later, []
         for due_ns, life, ran_s in waiting:
-            if due_ns <= now_ns or self._journal.is_ending:
+            if due_ns <= now_ns or self.journal.is_ending:
                 self._judge(life, now_ns, ran_s)
             else:
                 self._later.append((due_ns, life, ran_s))
         for child in [child for child, due_ns in self._starts.items() if due_ns <= now_ns]:
             del self._starts[child]
-            if not self._journal.is_ending:
+            if not self.journal.is_ending:
                 yield child
 
     def close(self) -> None:
         """Stop judging; write pending ends to the log."""
         for _, life, _ in self._later:
-            self._journal.write_end(life)
+            self.journal.write_end(life)
         self._later.clear()
         self._starts.clear()
 
     def _judge(self, life: Life, now_ns: int, ran_s: float) -> None:
-        self._journal.write_end(life)
-        if not self._journal.is_ending:
+        self.journal.write_end(life)
+        if not self.journal.is_ending:
             status = _status_of(life)
-            self._decide(life.child, now_ns, failed=life.has_failed, ran_s=ran_s, status=status)
+            self.decide(life.child, now_ns, failed=life.has_failed, ran_s=ran_s, status=status)
 
-    def _decide(
+    def decide(
         self, child: ChildProcess, now_ns: int, *, failed: bool, ran_s: float, status: int
     ) -> None:
+        """Decide what follows an end.
+
+        Args:
+            child: The child.
+            now_ns: Present time, on the monotonic clock.
+            failed: Whether it ended with a failure.
+            ran_s: Seconds that it ran.
+            status: Exit status, as a shell would give it.
+        """
         delay_s = child.restarts.after_end(failed=failed, ran_s=ran_s)
         if delay_s is not None:
             self._starts[child] = now_ns + int(delay_s * _NS_PER_S)
-            self._journal.write_restart(child, delay_s)
+            self.journal.write_restart(child, delay_s)
             return
-        self._journal.write_last_end(child)
+        self.journal.write_last_end(child)
         if child.is_required and self._status is None:
             self._status = status
             if self._on_required_end is not None:

@@ -9,12 +9,12 @@ import socket
 import subprocess
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from multiprocessing import spawn
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from attrs import evolve, field, frozen
 
@@ -26,9 +26,19 @@ from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
 from rosbase.runtime.signal_masks import hold_signals
 
-__all__ = ["CommandLaunch", "Launch", "Launched", "NodeLaunch", "Order"]
+__all__ = [
+    "GUARDIAN",
+    "CommandLaunch",
+    "GuardianProcess",
+    "Launch",
+    "Launched",
+    "NodeLaunch",
+    "Order",
+    "start_guarded",
+]
 
-_GUARDIAN = str(Path(__file__).with_name("guardian.py"))
+GUARDIAN = str(Path(__file__).with_name("guardian.py"))
+"""Path of the script that guards a child."""
 # The module search path comes first, so that the rest can be found as it is found here; and
 # before that, nothing is found in the current folder.
 _NODE = (
@@ -54,11 +64,36 @@ class Order:
     """Called, on a thread of its link, when a node sends unreadable data."""
 
 
+class GuardianProcess(Protocol):
+    """A guardian's process: a `subprocess.Popen`, or one that another process has started."""
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        ...
+
+    def send_signal(self, sig: int) -> None:
+        """Send a signal; do nothing if it has ended."""
+        ...
+
+    def kill(self) -> None:
+        """Send SIGKILL; do nothing if it has ended."""
+        ...
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end; return 0 if it has ended in order.
+
+        Raises:
+            subprocess.TimeoutExpired: It has not ended within that many seconds.
+        """
+        ...
+
+
 @frozen
 class Launched:
     """A child that has just been started, and its connections to this process."""
 
-    guardian: "subprocess.Popen[bytes]"
+    guardian: GuardianProcess
     control: socket.socket
     """Connection to the guardian: a byte stops the child, and so does closing it.
 
@@ -95,7 +130,7 @@ class CommandLaunch(Launch):
     def start(self, order: Order) -> Launched:
         """Start the command. A command writes output, but no records."""
         argv = ["/bin/sh", "-c", self.command]
-        return _start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
+        return start_guarded(argv, order, on_a_terminal=self.on_a_terminal)
 
 
 @frozen
@@ -144,7 +179,7 @@ class NodeLaunch(Launch):
             except RuntimeError as error:
                 raise OSError(errno.EAGAIN, str(error)) from error
             argv = [_python(), *_options(), "-c", _NODE, str(theirs.fileno())]
-            launched = _start_guarded(
+            launched = start_guarded(
                 argv, order, on_a_terminal=self.on_a_terminal, link_fd=theirs.fileno(), folder="/"
             )
             theirs.close()
@@ -175,10 +210,9 @@ def _surroundings(name: str) -> dict[str, Any]:
     return {k: v for k, v in surroundings.items() if k not in ("authkey", "start_method")}
 
 
-def _inherited(mark: Mark) -> dict[str, str]:
+def _inherited() -> dict[str, str]:
     """Return the environment of a child, without the log file: this process writes its output."""
-    environment = marked_environment(mark)
-    return {name: text for name, text in environment.items() if name not in FILE_VARIABLES}
+    return {name: text for name, text in os.environ.items() if name not in FILE_VARIABLES}
 
 
 def _python() -> str:
@@ -193,24 +227,30 @@ def _options() -> list[str]:
     return command[1 : command.index("-c")] if "-c" in command else []
 
 
-def _start_guarded(
+def start_guarded(
     argv: list[str],
     order: Order,
     *,
     on_a_terminal: bool,
     link_fd: int = -1,
     folder: str | None = None,
+    environment: Mapping[str, str] | None = None,
 ) -> Launched:
     """Start a command under a guardian.
 
     Args:
-        argv: The command.
+        argv: The command; its program is a path.
         order: Arguments of the launch.
         on_a_terminal: Whether it writes to a terminal.
         link_fd: A descriptor that the command inherits, or -1.
         folder: Folder where it is started; by default the working directory.
+        environment: Its environment; by default that of this process, without the log file.
+
+    Raises:
+        OSError: The machine has no more processes or descriptors to give.
     """
     own = _ON_A_TERMINAL if on_a_terminal else {}
+    environment = _inherited() if environment is None else environment
     # Until the guardian handles signals, one of them would end it with a traceback.
     with ExitStack() as undo, ExitStack() as for_the_child, hold_signals():
         ours, theirs = socket.socketpair()
@@ -223,7 +263,7 @@ def _start_guarded(
             os.set_blocking(fd, False)
         guardian = subprocess.Popen(
             [
-                *(_python(), "-I", "-S", _GUARDIAN),
+                *(_python(), "-I", "-S", GUARDIAN),
                 *(str(theirs.fileno()), str(os.getpid()), str(link_fd)),
                 *argv,
             ],
@@ -232,7 +272,7 @@ def _start_guarded(
             stderr=write_end,
             pass_fds=[fd for fd in (theirs.fileno(), link_fd) if fd >= 0],
             start_new_session=True,
-            env=_BY_DEFAULT | _inherited(order.mark) | own,
+            env=_BY_DEFAULT | marked_environment(order.mark, environment) | own,
             cwd=folder,
         )
         undo.pop_all()

@@ -10,6 +10,7 @@ import os
 import re
 import sys
 import zlib
+from collections.abc import Mapping
 from urllib.parse import quote, unquote
 
 from attrs import frozen
@@ -60,10 +61,16 @@ class Marks:
         return Mark(_labels_of(self.program) | life, self._manager, self.program, name)
 
 
-def marked_environment(mark: Mark) -> dict[str, str]:
-    """Return the environment of this process, with the mark added to the existing ones."""
+def marked_environment(mark: Mark, environment: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Return an environment with the mark added to those of this process.
+
+    Args:
+        mark: The mark.
+        environment: The environment; by default that of this process.
+    """
     inherited = os.environ.get(MARK_VARIABLE, "").split()
-    return {**os.environ, MARK_VARIABLE: " ".join([*inherited, str(mark)])}
+    marks = " ".join([*inherited, str(mark)])
+    return {**(os.environ if environment is None else environment), MARK_VARIABLE: marks}
 
 
 def marks_in(environment: bytes) -> list[Mark]:

@@ -37,10 +37,15 @@ class Supervisor:
     """Starts children, and serves them until all are stopped."""
 
     def __init__(
-        self, children: Sequence[ChildProcess], logger: RosbaseLogger, clock: Clock | None = None
+        self,
+        children: Sequence[ChildProcess],
+        logger: RosbaseLogger,
+        clock: Clock | None = None,
+        *,
+        judge: Judge | None = None,
     ) -> None:
-        self.journal = Journal(logger)
-        self.judge = Judge(self.journal)
+        self.judge = Judge(Journal(logger)) if judge is None else judge
+        self.journal = self.judge.journal
         self._children = children
         self._clock = clock or SystemClock()
         self._marks = Marks()
@@ -81,6 +86,12 @@ class Supervisor:
             raise
         self._has_begun.set()
 
+    def call(self, function: Callable[[], object]) -> None:
+        """Have a function run on the supervisor's thread. After `stop`, nothing happens."""
+        if self._wake_w >= 0:
+            self._calls.append(function)
+            os.write(self._wake_w, b"c")
+
     def stopping_soon(self) -> None:
         """Stop acting on the ends of children: a stop has been requested.
 
@@ -108,6 +119,27 @@ class Supervisor:
         end_adopting()
 
     # On the supervisor's thread, but for the first starts, which come before.
+
+    def begin(self, child: ChildProcess) -> None:
+        """Start one child that is not running. For `call`.
+
+        Raises:
+            OSError: It could not be started.
+        """
+        self._start(child)
+
+    def end(self, child: ChildProcess) -> None:
+        """Ask one child to stop; the judge hears of its end. For `call`."""
+        for life in self._lives:
+            if life.child is child:
+                life.was_asked = True
+                life.ask_to_stop()
+
+    def hurry(self) -> None:
+        """Have all children end in less than a second. For `call`."""
+        for life in self._lives:
+            life.was_asked = True
+            life.hurry()
 
     def _run(self) -> None:
         self._has_begun.wait()

@@ -13,6 +13,7 @@ _CODES = {
     "red": "31",
     "green": "32",
     "yellow": "33",
+    "blue": "34",
     "cyan": "36",
     "magenta": "35",
 }

@@ -1,0 +1,204 @@
+"""Compare a description with this machine: folders, programs, conda environments, CPUs."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from attrs import frozen
+
+from rosbase.launcher.description import Description, Faults, Program, Session
+from rosbase.launcher.shell import preparation, shell_path, with_our_python
+from rosbase.text.printable import one_line, printable
+
+__all__ = ["check_machine", "environment_for"]
+
+_PROBE_S = 60.0
+_ASSIGNMENT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*=", re.ASCII)
+# Anything of a shell that needs a shell to be understood.
+_BY_THE_SHELL = re.compile(r"[$`(){}<>*?\[\]\\!\"']")
+_SEPARATORS = re.compile(r"[;&|\n]")
+_BEFORE_A_COMMAND = {"exec", "time", "nohup", "!"}
+# Commands after which the same words may mean something else.
+_CHANGING = re.compile(
+    r"(?:^|[;&|\n]|\s)(?:cd|pushd|popd|\.|source|export|eval|conda|alias|module)\s"
+)
+_FOUND, _READY = "found", "ready"
+
+
+def environment_for(program: Program, environ: Mapping[str, str]) -> dict[str, str]:
+    """Return the environment in which the shell of a program begins."""
+    path = with_our_python(environ.get("PATH", os.defpath), sys.executable)
+    return {**environ, "PATH": path, **program.environment}
+
+
+def check_machine(description: Description, faults: Faults) -> None:
+    """Note what the description needs, and this machine does not have."""
+    for session in description.sessions:
+        _check_session(session, faults)
+    cpus: dict[int, bool] = {}
+    for program in description.programs:
+        missing = []
+        for cpu in program.cpus:
+            if cpu not in cpus:
+                cpus[cpu] = _has_cpu(cpu)
+            if not cpus[cpu]:
+                missing.append(str(cpu))
+        if missing:
+            shown = ", ".join(missing[:10])
+            has = f"this machine has {os.cpu_count()}"
+            faults.add(program.lines.get("cpus", 0), f"no CPU {shown} for '{program.key}': {has}")
+
+
+def _check_session(session: Session, faults: Faults) -> None:
+    setup = session.ros_setup
+    if not session.workspace.is_dir():
+        text = f"workspace_root: no folder {printable(str(session.workspace))}"
+        faults.add(session.lines.get("workspace_root", 0), text)
+    if setup is not None and not setup.is_file():
+        text = f"ros_setup: no file {printable(str(setup))}"
+        faults.add(session.lines.get("ros_setup", 0), text)
+        setup = None
+    wanted: list[_Word] = []
+    for program in session.programs:
+        if session.workspace.is_dir() and not program.folder.is_dir():
+            text = f"project: no folder {printable(str(program.folder))}"
+            faults.add(program.lines.get("project", program.lines.get("", 0)), text)
+        for file in program.parameter_files:
+            if not file.is_file():
+                text = f"parameters: no file {printable(str(file))}"
+                faults.add(program.lines.get("parameters", 0), text)
+        wanted += _words(program)
+    by_environment: dict[tuple[tuple[str, str], ...], list[_Word]] = {}
+    for word in wanted:
+        key = tuple(sorted(word.program.environment.items()))
+        by_environment.setdefault(key, []).append(word)
+    if session.conda_env and not by_environment:
+        by_environment[()] = []
+    for words in by_environment.values():
+        _probe(session, setup, words, faults)
+
+
+@frozen
+class _Word:
+    """The first word of a command: a program that must exist."""
+
+    program: Program
+    text: str
+
+    @property
+    def line(self) -> int:
+        return self.program.lines.get("command", 0)
+
+
+def _words(program: Program) -> Iterator[_Word]:
+    """Yield the programs with which the commands begin, as far as no shell is needed to tell.
+
+    A file must exist only if it belongs to the first command: a later one may have been made, or
+    be in another folder.
+    """
+    for number, command in enumerate(program.commands):
+        words = _plain_words(_SEPARATORS.split(command)[0])
+        if words and ("/" not in words[0] or not number):
+            yield _Word(program, words[0])
+        if words and not number:
+            yield from _script_of(program, words)
+        if _CHANGING.search(command):
+            return
+
+
+def _plain_words(command: str) -> list[str]:
+    try:
+        words = shlex.split(command, comments=True)
+    except ValueError:
+        return []
+    while words and (_ASSIGNMENT.match(words[0]) or words[0] in _BEFORE_A_COMMAND):
+        del words[0]
+    return [] if not words or _BY_THE_SHELL.search(words[0]) else words
+
+
+def _script_of(program: Program, words: list[str]) -> Iterator[_Word]:
+    """Yield the script that Python is to run, as a path."""
+    if len(words) < 2 or not re.fullmatch(r"(.*/)?python[0-9.]*", words[0]):
+        return
+    file = words[1]
+    if file.endswith(".py") and not (file.startswith("-") or _BY_THE_SHELL.search(file)):
+        yield _Word(program, file if "/" in file else f"./{file}")
+
+
+def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Faults) -> None:
+    """Look for the programs in a shell that is prepared as theirs, and note the missing ones."""
+    paths = [word for word in words if "/" in word.text]
+    for word in paths:
+        path = word.program.folder / Path(word.text).expanduser()
+        if word.program.folder.is_dir() and not path.exists():
+            faults.add(word.line, f"command of '{word.program.key}': no file {word.text}")
+    names = sorted({word.text for word in words if "/" not in word.text})
+    if not (names or session.conda_env):
+        return
+    answer, problem = _ask_shell(session, setup, names, words)
+    if answer is None:
+        faults.add(session.lines.get("conda_env" if session.conda_env else "ros_setup", 0), problem)
+        return
+    for word in words:
+        if "/" not in word.text and word.text not in answer:
+            text = f"command of '{word.program.key}': there is no program {printable(word.text)}"
+            faults.add(word.line, text)
+
+
+def _ask_shell(
+    session: Session, setup: Path | None, names: list[str], words: list[_Word]
+) -> tuple[set[str] | None, str]:
+    """Return the names that are programs; None, and the reason, if the shell cannot be prepared."""
+    environment = dict(os.environ)
+    if words:
+        environment = environment_for(words[0].program, os.environ)
+    text = "\n".join(
+        (
+            *("exec 3>&1 >/dev/null", preparation(setup, session.conda_env), f"echo {_READY} >&3"),
+            'for name in "$@"; do',
+            f'  command -v -- "$name" >/dev/null 2>&1 && echo "{_FOUND} $name" >&3',
+            "done; exit 0",
+        )
+    )
+    conda = f"conda_env: cannot activate '{printable(session.conda_env)}'"
+    what = conda if session.conda_env else "ros_setup: cannot be sourced"
+    try:
+        done = subprocess.run(
+            [shell_path(environment), "-c", text, "rosbase", *names],
+            check=False,
+            capture_output=True,
+            stdin=subprocess.DEVNULL,
+            env=environment,
+            cwd=session.workspace if session.workspace.is_dir() else None,
+            timeout=_PROBE_S,
+        )
+    except subprocess.TimeoutExpired:
+        return None, f"{what}: it takes longer than {_PROBE_S:.0f} s"
+    lines = done.stdout.decode(errors="replace").splitlines()
+    if _READY not in lines:
+        said = [line for line in done.stderr.decode(errors="replace").splitlines() if line.strip()]
+        return None, f"{what}: {one_line(said[-1] if said else 'it ends the shell')}"
+    prefix = f"{_FOUND} "
+    return {line.removeprefix(prefix) for line in lines if line.startswith(prefix)}, ""
+
+
+def _has_cpu(cpu: int) -> bool:
+    """Return whether a thread of this process may run there: the thread tries it."""
+    answer: list[bool] = []
+
+    def attempt() -> None:
+        try:
+            os.sched_setaffinity(0, {cpu})
+            answer.append(True)
+        except (OSError, OverflowError, ValueError):
+            answer.append(False)
+
+    thread = threading.Thread(target=attempt)
+    thread.start()
+    thread.join()
+    return answer[0]

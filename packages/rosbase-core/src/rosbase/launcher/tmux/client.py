@@ -1,0 +1,137 @@
+"""The commands of tmux that the launcher uses."""
+
+import os
+import shutil
+import subprocess
+
+from attrs import frozen
+
+from rosbase.errors import ConfigurationError
+from rosbase.text.printable import one_line
+
+__all__ = ["Pane", "Tmux"]
+
+_WINDOW = "MAIN"
+# A detached session has no terminal, and many panes need room. It takes the size of the terminal
+# that attaches.
+_SIZE = ("-x", "240", "-y", "120")
+_PANE = ("-P", "-F", "#{pane_id} #{pane_tty}")
+_TIMEOUT_S = 20.0
+
+
+@frozen
+class Pane:
+    """A pane of tmux."""
+
+    number: str
+    """Its unique name, such as `%3`."""
+    terminal: str
+    """Path of its terminal."""
+
+
+class Tmux:
+    """The tmux server of this user."""
+
+    def __init__(self) -> None:
+        """Find tmux.
+
+        Raises:
+            ConfigurationError: It is not installed.
+        """
+        found = shutil.which("tmux")
+        if found is None:
+            raise ConfigurationError("tmux is not installed: sudo apt install tmux")
+        self._path = found
+
+    def new_session(self, session: str, folder: str, command: str) -> Pane:
+        """Open a detached session with one window and one pane that runs a command."""
+        name = ("-d", "-s", session, "-n", _WINDOW)
+        pane = self._pane("new-session", *name, *_SIZE, "-c", folder, *_PANE, command)
+        for option, value in (
+            ("remain-on-exit", "on"),
+            ("allow-rename", "off"),
+            ("automatic-rename", "off"),
+            ("pane-border-status", "top"),
+            ("pane-border-format", " #{pane_title} "),
+        ):
+            self.run("set-window-option", "-t", pane.number, option, value)
+        return pane
+
+    def add_pane(self, session: str, folder: str, command: str) -> Pane:
+        """Open one more pane in the window of a session."""
+        window = f"={session}:{_WINDOW}"
+        pane = self._pane("split-window", "-t", window, "-c", folder, *_PANE, command)
+        # After each, so that there is room for the next one.
+        self.run("select-layout", "-t", window, "tiled")
+        return pane
+
+    def name_pane(self, pane: Pane, name: str) -> None:
+        """Show the name of a program above its pane."""
+        self.run("select-pane", "-t", pane.number, "-T", name)
+
+    def respawn(self, pane: Pane, command: str) -> None:
+        """Run a command in a pane whose command has ended."""
+        self.run("respawn-pane", "-t", pane.number, command)
+
+    def is_alive(self, pane: Pane) -> bool:
+        """Return whether a pane exists and its command runs."""
+        done = self._call("display-message", "-p", "-t", pane.number, "#{pane_id} #{pane_dead}")
+        return done.stdout.strip() == f"{pane.number} 0"
+
+    def look_for_ends(self) -> None:
+        """Have tmux look for commands that have ended, by running one more that ends.
+
+        On a busy machine, tmux 3.3 may miss the end of a command. Its pane then has no status
+        until tmux hears of another end.
+        """
+        self._call("run-shell", "-b", "true")
+
+    def copy_output(self, pane: Pane, command: str) -> None:
+        """Give the output of a pane to the shell command as well."""
+        self.run("pipe-pane", "-t", pane.number, command)
+
+    def has_session(self, session: str) -> bool:
+        """Return whether there is a session of exactly that name."""
+        return self._call("has-session", "-t", f"={session}").returncode == 0
+
+    def kill_session(self, session: str) -> None:
+        """End a session and everything in its panes, if it exists."""
+        self._call("kill-session", "-t", f"={session}")
+
+    def note(self, session: str, name: str, value: str) -> None:
+        """Keep a value with a session."""
+        self.run("set-option", "-t", f"={session}:", f"@{name}", value)
+
+    def noted(self, session: str, name: str) -> str:
+        """Return a value kept with a session; empty if there is none."""
+        done = self._call("show-options", "-v", "-t", f"={session}:", f"@{name}")
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    def run(self, *words: str) -> str:
+        """Run a command of tmux, and return its output.
+
+        Raises:
+            OSError: tmux refuses.
+        """
+        done = self._call(*words)
+        if done.returncode:
+            raise OSError(f"tmux {words[0]}: {one_line(done.stderr or 'failed')}")
+        return done.stdout
+
+    def _pane(self, *words: str) -> Pane:
+        number, _, terminal = self.run(*words).strip().partition(" ")
+        return Pane(number, terminal)
+
+    def _call(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        try:
+            return subprocess.run(
+                [self._path, *words],
+                check=False,
+                capture_output=True,
+                text=True,
+                stdin=subprocess.DEVNULL,
+                timeout=_TIMEOUT_S,
+                env=dict(os.environ),
+            )
+        except subprocess.TimeoutExpired as error:
+            raise OSError(f"tmux {words[0]}: no answer") from error

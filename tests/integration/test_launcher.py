@@ -1,0 +1,382 @@
+"""Files as programs of ros_base have them, and panes of tmux, with real processes."""
+
+import os
+import re
+import signal
+import sys
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from hypothesis import given
+
+from rosbase.launcher.description import Description, Faults, read_mapping, read_text
+from rosbase.launcher.description.model import ConditionKind
+from rosbase.launcher.description.programs import PROGRAM_KEYS, RESTART_KEYS
+from rosbase.launcher.description.sessions import ENV_KEYS
+from rosbase.processes.proc import read_of
+from support.code_blocks import BLOCKS, ROOT, write_files
+from support.command import ROSBASE
+from support.launching import OwnTmux, has_tmux, own_tmux, up
+from support.processes import parent_of
+from support.strategies import launcher_data
+from support.terminal import on_terminal
+from support.waiting import wait_until
+
+yaml = pytest.importorskip("yaml")
+needs_tmux = pytest.mark.skipif(not has_tmux(), reason="tmux is not installed")
+
+SESSIONS = """\
+sessions:                       # or one session at the root, without this list
+  - env:
+      session_name: "demo_system"
+      workspace_root: "~/work"          # every project is below it
+      ros_setup: "~/ros_ws/setup.sh"    # optional: sourced first
+      conda_env: "robot"                # optional: activated next
+    nodes:
+      - name: "LOW_LEVEL"
+        project: "controller"           # may be "." or a/b
+        cpus: "CPU"                     # optional: "7", "4-5", "0,2"; taskset
+        autostart: true                 # the default
+        command: "python run.py"        # a text, or a list typed one after another
+      - name: "VISION"
+        project: "a/b"
+        command: ["ROBOT=blue", "echo vision $ROBOT $ROS_DISTRO $CONDA_DEFAULT_ENV $PWD"]
+      - name: "ALL"
+        project: "."
+        autostart: false
+        command: "echo never"
+"""
+# The same without the list.
+AT_THE_ROOT = "\n".join(line[4:] for line in SESSIONS.splitlines()[1:]) + "\n"
+SCRIPT = 'from rosbase import BaseLauncher\nBaseLauncher("robot.yaml").launch()\n'
+
+# As the real one, it prints a function that changes the environment of the shell.
+CONDA = """\
+#!/bin/sh
+if [ "$1 $2" = "shell.posix hook" ]; then
+  cat <<END
+conda() {
+  [ "\\$1" = activate ] && [ "\\$2" = robot ] || { echo "no environment \\$2" >&2; return 1; }
+  export CONDA_DEFAULT_ENV=\\$2
+}
+END
+fi
+"""
+RUN = """\
+import os, time
+print("low", *(os.environ[n] for n in ("ROS_DISTRO", "CONDA_DEFAULT_ENV")), os.getcwd(), flush=True)
+print("cpus", sorted(os.sched_getaffinity(0)), flush=True)
+time.sleep(TOKEN)
+"""
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """The home of a user of ros_base."""
+    for folder in ("work/controller", "work/a/b", "ros_ws", "bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "ros_ws/setup.sh").write_text("export ROS_DISTRO=jazzy\nfalse\n")
+    (tmp_path / "bin/conda").write_text(CONDA)
+    (tmp_path / "bin/conda").chmod(0o755)
+    (tmp_path / "bin/python").symlink_to(sys.executable)
+    return tmp_path
+
+
+@pytest.fixture
+def tmux(tmp_path: Path) -> Iterator[OwnTmux]:
+    with own_tmux(tmp_path) as own:
+        yield own
+
+
+def surroundings(home: Path) -> dict[str, str]:
+    path = f"{home / 'bin'}{os.pathsep}{os.environ['PATH']}"
+    return {"HOME": str(home), "PATH": path, "CONDA_EXE": ""}
+
+
+def last_cpu() -> int:
+    return max(os.sched_getaffinity(0))
+
+
+@pytest.mark.parametrize("script", ["", SCRIPT], ids=["rosbase up", "BaseLauncher"])
+@pytest.mark.parametrize("text", [SESSIONS, AT_THE_ROOT], ids=["sessions", "root"])
+def test_a_file_of_ros_base_runs_as_it_is(home: Path, text: str, script: str) -> None:
+    text = text.replace("CPU", str(last_cpu()))
+    with up(home, text, name="robot.yaml", script=script, environment=surroundings(home)) as (
+        launcher,
+        token,
+    ):
+        (home / "work/controller/run.py").write_text(RUN.replace("TOKEN", token.text))
+        launcher.waits_for("VISION * ended with status 0")
+        launcher.waits_for(f"LOW_LEVEL | cpus [{last_cpu()}]")
+        assert launcher.end(signal.SIGINT) == 0
+    said = launcher.said
+    assert f"LOW_LEVEL | low jazzy robot {home}/work/controller" in said
+    assert f"VISION | vision blue jazzy robot {home}/work/a/b" in said
+    assert not [line for line in said if line.startswith("ALL |")]
+
+
+@needs_tmux
+@pytest.mark.parametrize("script", ["", SCRIPT], ids=["rosbase up", "BaseLauncher"])
+@pytest.mark.parametrize("text", [SESSIONS, AT_THE_ROOT], ids=["sessions", "root"])
+def test_a_file_of_ros_base_runs_in_panes(
+    home: Path, tmux: OwnTmux, text: str, script: str
+) -> None:
+    text = text.replace("CPU", str(last_cpu()))
+    environment = surroundings(home) | tmux.environment
+    with up(home, text, "--tmux", name="robot.yaml", script=script, environment=environment) as (
+        launcher,
+        token,
+    ):
+        (home / "work/controller/run.py").write_text(RUN.replace("TOKEN", token.text))
+        assert launcher.end() == 0
+        assert launcher.said == ["demo_system: tmux attach -t demo_system"]
+        tmux.waits_for("demo_system", {"LOW_LEVEL": "", "VISION": "0"})
+        wait_until(lambda: f"cpus [{last_cpu()}]" in tmux.text("demo_system", 0), "its CPUs")
+        assert tmux("list-windows", "-t", "demo_system", "-F", "#W").split() == ["MAIN"]
+        assert f"low jazzy robot {home}/work/controller" in tmux.text("demo_system", 0)
+        assert f"vision blue jazzy robot {home}/work/a/b" in tmux.text("demo_system", 1)
+        tmux("kill-session", "-t", "demo_system")
+        wait_until_gone(home)
+
+
+def launchers(folder: Path) -> list[int]:
+    """The launchers behind tmux that were started in a folder."""
+    found = []
+    for name in os.listdir("/proc"):
+        if name.isdigit() and b"rosbase.launcher.tmux.background" in read_of(int(name), "cmdline"):
+            try:
+                if os.readlink(f"/proc/{name}/cwd") == str(folder):
+                    found.append(int(name))
+            except OSError:
+                # It has just ended.
+                continue
+    return found
+
+
+def wait_until_gone(folder: Path) -> None:
+    wait_until(lambda: not launchers(folder), "the end of the launcher")
+
+
+SLEEPERS = """
+env: {session_name: demo}
+nodes:
+  - {name: a, command: "echo up; exec sleep TOKEN"}
+  - {name: b, command: "exec sleep TOKEN", after: {a: "log: ^up$"}}
+  - {name: crash, command: "echo last words; exit 3", after: b, restart: {limit: 1, backoff_s: 0}}
+"""
+
+
+@needs_tmux
+def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    with up(tmp_path, SLEEPERS, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        token,
+    ):
+        assert launcher.end() == 0
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "3"})
+        text = tmux.text("demo", 2)
+        assert text.count("last words") == 2
+        assert "[rosbase] ended with status 3" in text
+        assert "[rosbase] not started again: 1 in a row" in text
+        assert len(token.sleepers()) == 2
+        [background] = launchers(tmp_path)
+        os.kill(background, signal.SIGTERM)
+        token.wait_until_gone()
+        # The panes stay, for whoever wants to read them.
+        tmux.waits_for("demo", {"a": "130", "b": "130", "crash": "3"})
+        wait_until_gone(tmp_path)
+
+
+@needs_tmux
+def test_ctrl_c_in_a_pane_stops_that_program_for_good(tmp_path: Path, tmux: OwnTmux) -> None:
+    text = SLEEPERS.replace("{limit: 1, backoff_s: 0}", "always").replace("exit 3", "sleep TOKEN")
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        token,
+    ):
+        assert launcher.end() == 0
+        token.wait_for_sleepers(3)
+        tmux("send-keys", "-t", "demo:MAIN.2", "C-c")
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "130"})
+        assert len(token.wait_for_sleepers(2)) == 2
+        tmux("kill-pane", "-t", "demo:MAIN.0")
+        token.wait_for_sleepers(1)
+        tmux("kill-session", "-t", "demo")
+        token.wait_until_gone()
+        wait_until_gone(tmp_path)
+
+
+@needs_tmux
+@pytest.mark.parametrize("victim", ["launcher", "server", "guardian", "pane"])
+def test_whoever_is_killed_no_process_is_left(tmp_path: Path, tmux: OwnTmux, victim: str) -> None:
+    text = SLEEPERS.replace('"exec sleep TOKEN"', '"setsid sleep TOKEN & sleep TOKEN"')
+    text = text.replace("{limit: 1, backoff_s: 0}", "never")
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        token,
+    ):
+        assert launcher.end() == 0
+        token.wait_for_sleepers(3)
+        tmux.waits_for("demo", {"a": "", "b": "", "crash": "3"})
+        [background] = launchers(tmp_path)
+        if victim in ("launcher", "server"):
+            os.kill(background if victim == "launcher" else tmux.server(), signal.SIGKILL)
+        else:
+            numbers = tmux("list-panes", "-s", "-t", "demo", "-F", "#{pane_pid}").split()
+            panes = [int(number) for number in numbers[:2]]
+            guardians = [pid for pid in token.bearers() if parent_of(pid) in panes]
+            for pid in panes if victim == "pane" else guardians:
+                os.kill(pid, signal.SIGKILL)
+        token.wait_until_gone()
+        wait_until_gone(tmp_path)
+
+
+@needs_tmux
+def test_a_session_of_that_name_is_replaced_after_its_programs_have_ended(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    # Each refuses to run beside another one.
+    alone = (
+        "mkdir one || exit 9; trap 'sleep 0.3; rmdir one; exit' INT; echo up; sleep TOKEN & wait"
+    )
+    text = f'env: {{session_name: demo}}\nnodes: [{{name: a, command: "{alone}"}}]\n'
+    tmux("new-session", "-d", "-s", "demo", "-n", "OTHER", "sleep 100")
+    start = partial(up, tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment)
+    with start() as (first, _):
+        assert first.end() == 0
+        wait_until(lambda: "up" in tmux.text("demo", 0), "its start")
+        [before] = launchers(tmp_path)
+        with start() as (second, _):
+            assert second.end() == 0
+            wait_until(lambda: "up" in tmux.text("demo", 0), "its start")
+            assert tmux("list-windows", "-t", "demo", "-F", "#W").split() == ["MAIN"]
+            [background] = launchers(tmp_path)
+            assert background != before
+            os.kill(background, signal.SIGTERM)
+            wait_until_gone(tmp_path)
+
+
+def test_a_terminal_shows_the_states_below_the_output_and_names_in_colours(
+    tmp_path: Path,
+) -> None:
+    text = """
+nodes:
+  - {name: setup, command: "echo ready; exec true"}
+  - {name: camera_with_a_long_name, command: "echo hello; exec sleep 1000", after: {setup: exit 0}}
+  - {name: later, command: "echo late", after: {camera_with_a_long_name: "log: never"}}
+"""
+    (tmp_path / "robot.yaml").write_text(text)
+    command = (ROSBASE, "up", str(tmp_path / "robot.yaml"))
+    with on_terminal(*command, columns=80) as plain:
+        plain.waits_for("hello")
+        plain.waits_for("1 running")
+        plain.process.send_signal(signal.SIGINT)
+        screens = plain.screens("3 programs: 2 stopped, 1 ended")
+    assert not re.search(rb"\x1b\[[0-9;]*m", plain.shown)
+    whole = [screen for screen in screens if any("1 running" in line for line in screen)][-1]
+    lines = [line for line in whole if line]
+    assert all(len(line) < 80 for line in lines)
+    assert "camera_with_a_long_name | hello" in lines
+    table = [" ".join(line.split()[:2]) for line in lines[-4:]]
+    assert table[:3] == ["setup ended", "camera_with_a_long_name running", "later waiting"]
+    assert lines[-1] == "3 programs: 1 waiting, 1 running, 1 ended; Ctrl-C stops all"
+    with on_terminal(*command, columns=80, environment={"TERM": "xterm"}) as coloured:
+        coloured.waits_for("1 running")
+        coloured.end()
+    assert b"\x1b[36msetup" in coloured.shown
+
+
+@given(launcher_data)
+def test_a_description_means_the_same_in_yaml_as_in_a_program(config: dict[str, object]) -> None:
+    plain, written = Faults(), Faults()
+    text = yaml.safe_dump(config, sort_keys=False, allow_unicode=True)
+    here = Path("/here/robot.yaml")
+    description = read_text(text, here, written)
+    expected = read_mapping(config, here.parent, plain)
+    assert len(written.in_order()) >= bool(plain.in_order())
+    if not plain.in_order():
+        assert _without_names(description) == _without_names(expected)
+
+
+def _without_names(description: Description) -> list[object]:
+    return [
+        (one.name, one.commands, one.cpus, one.restart, one.is_required, one.folder)
+        for one in description.programs
+    ]
+
+
+ALIASES = """
+.common: &common {restart: always, project: a}
+nodes:
+  - {<<: *common, name: x, command: x}
+  - {<<: *common, name: y, command: y, project: b}
+"""
+
+
+def test_aliases_and_merged_keys_work() -> None:
+    faults = Faults("robot.yaml")
+    description = read_text(ALIASES, Path("/here/robot.yaml"), faults)
+    assert [str(fault) for fault in faults.in_order()] == [
+        "robot.yaml:2: the file has no '.common'; it has env, nodes"
+    ]
+    assert [one.folder.name for one in description.programs] == ["a", "b"]
+    assert {one.restart.when for one in description.programs} == {"always"}
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("nodes: [\n", "robot.yaml:2: not YAML: "),
+        ("nodes: []\n---\nnodes: []\n", "robot.yaml:3: a second document begins here"),
+        ("", "robot.yaml: the file is empty"),
+        ("a: &a [*a]\n", "robot.yaml: nested too deeply, or too large"),
+        ("nodes: []\nnodes: []\n", "robot.yaml:2: 'nodes' is already in line 1"),
+        ("nodes:\n  - name: a\n    command: true\n    cpus: 9-\n", "robot.yaml:4: cpus is a list"),
+        ("nodes:\n - [1]: 2\n", "robot.yaml:2: "),
+        ("nodes: \x00", "robot.yaml: not YAML"),
+    ],
+)
+def test_a_mistake_of_yaml_is_named_with_its_line(text: str, fault: str) -> None:
+    faults = Faults("robot.yaml")
+    read_text(text, Path("/here/robot.yaml"), faults)
+    assert any(str(one).startswith(fault) for one in faults.in_order()), faults.in_order()
+
+
+def test_the_page_on_launching_runs_as_it_is_written(tmp_path: Path) -> None:
+    page = ROOT / "docs/how-to/launch.md"
+    write_files(page, tmp_path, "")
+    shown = next(block for block in BLOCKS.values() if block.page == page and block.kind == "text")
+    for name in ("robot", "order"):
+        text = (tmp_path / f"{name}.yaml").read_text()
+        with up(tmp_path, text, name=f"{name}.yaml") as (launcher, _):
+            if name == "order":
+                launcher.waits_for("UI * starting")
+                assert launcher.end(signal.SIGINT) == 0
+            else:
+                assert launcher.end() == 0
+                expected = [" ".join(line.split()) for line in shown.text.splitlines()]
+                assert [line for line in launcher.said if "INFO" not in line] == expected
+
+
+def test_the_page_on_launching_names_every_key_and_every_condition() -> None:
+    page = (ROOT / "docs/how-to/launch.md").read_text()
+    rows = {line.split("`")[1] for line in page.splitlines() if line.startswith("| `")}
+    keys = {*PROGRAM_KEYS, *RESTART_KEYS, *ENV_KEYS}
+    conditions = {"log: PATTERN", *get_args(ConditionKind)} - {"log"}
+    assert rows == keys | conditions
+
+
+def test_a_conda_environment_that_does_not_exist_is_a_mistake(home: Path) -> None:
+    text = "env: {workspace_root: ~/work,\n conda_env: rabbit}\nnodes: [{name: a, command: x}]\n"
+    with up(home, text, "--check", name="robot.yaml", environment=surroundings(home)) as (
+        launcher,
+        _,
+    ):
+        assert launcher.end() == 2
+    fault = "robot.yaml:2: conda_env: cannot activate 'rabbit': no environment rabbit"
+    assert launcher.said == [fault]
