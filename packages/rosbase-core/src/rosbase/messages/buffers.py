@@ -7,7 +7,7 @@ import typing
 from array import array
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, Protocol, TypeAlias
+from typing import Any
 
 from attrs import Attribute, field
 
@@ -15,36 +15,11 @@ from rosbase.messages.marks import Fixed, Numbers
 from rosbase.messages.pickling import make_picklable
 from rosbase.messages.widths import TYPECODES, Width, is_of
 
-__all__ = ["Buffer", "numbers", "protect_buffers"]
+__all__ = ["numbers", "protect_buffers"]
 
 _MARK = "rosbase.buffer"
 # What numpy calls them; a byte of ROS has no sign.
 _NUMPY_NAMES = {Width.BYTE: "uint8", Width.CHAR: "uint8"}
-
-
-class NumpyArray(Protocol):
-    """The part of a numpy array that rosbase uses; numpy need not be installed."""
-
-    @property
-    def dtype(self) -> Any:
-        """The type of its elements."""
-        ...
-
-    @property
-    def flags(self) -> Any:
-        """Whether it can be written to."""
-        ...
-
-    def tobytes(self) -> bytes:
-        """Return a copy of its data."""
-        ...
-
-
-Buffer: TypeAlias = bytes | memoryview | NumpyArray | tuple[Any, ...]
-"""Many numbers that nobody copies.
-
-They are bytes, a read-only memoryview, a read-only numpy array, or, for few numbers, a tuple.
-"""
 
 
 class _Rule:

@@ -7,11 +7,11 @@ string and `bool` is bool; a tuple is a sequence, and a message class is a neste
 
 from collections.abc import Callable
 from enum import Enum
-from typing import Annotated, Any, TypeAlias, TypeVar
+from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
 
 from attrs import Attribute, field
 
-from rosbase.messages.buffers import Buffer, numbers, protect_buffers
+from rosbase.messages.buffers import numbers, protect_buffers
 from rosbase.messages.marks import AtMost, Fixed, Numbers
 from rosbase.messages.widths import Width
 
@@ -46,6 +46,30 @@ ClassT = TypeVar("ClassT", bound=type)
 
 _ROS_TYPE = "__ros_type__"
 
+
+class NumpyArray(Protocol):
+    """The part of a numpy array that rosbase uses; numpy need not be installed."""
+
+    @property
+    def dtype(self) -> Any:
+        """The type of its elements."""
+        ...
+
+    @property
+    def flags(self) -> Any:
+        """Whether it can be written to."""
+        ...
+
+    def tobytes(self) -> bytes:
+        """Return a copy of its data."""
+        ...
+
+
+Buffer: TypeAlias = bytes | memoryview | NumpyArray | tuple[Any, ...]
+"""Many numbers that nobody copies.
+
+They are bytes, a read-only memoryview, a read-only numpy array, or, for few numbers, a tuple.
+"""
 
 # The one of every frozen class of attrs.
 _REFUSE_TO_SET: object = AtMost.__setattr__
