@@ -96,7 +96,7 @@ def test_a_process_tells_what_runs_in_it_and_what_it_uses() -> None:
         assert 5_000_000 < found["memory_bytes"] < 10**10
         assert found["threads"] >= 3
         assert 0 < found["cpu_ns"] < 10**13
-        now_ns = programs.running_programs()[0].backend.clock.now_ns()  # type: ignore[union-attr]
+        now_ns = programs.running_programs()[0].backend.clock.now_ns()  # type: ignore[union-attr]  # it has one
         assert now_ns - 10**12 < found["started_ns"] < now_ns
         (program,) = found["programs"]
         assert 0 < program.pop("up_ns") < 10**11
@@ -252,9 +252,9 @@ def test_a_program_may_turn_it_off() -> None:
 
 def test_a_control_that_is_no_switch_is_an_error() -> None:
     with pytest.raises(TypeError, match="control is True or False, not 'steering'"):
-        BaseManager("app", control="steering")  # type: ignore[arg-type]
+        BaseManager("app", control="steering")  # type: ignore[arg-type]  # the mistake
     with pytest.raises(TypeError, match="control is True or False"):
-        BaseNode(control=1)  # type: ignore[arg-type]
+        BaseNode(control=1)  # type: ignore[arg-type]  # the mistake
 
 
 def test_in_virtual_time_there_is_none() -> None:
@@ -578,7 +578,7 @@ def test_after_a_request_the_loop_sleeps_as_before() -> None:
     def run(_: object, *rest: Any) -> None:
         run_main_loop(Counting(), *rest)  # type: ignore[arg-type]  # it is one
 
-    manager._run_loop = run  # type: ignore[assignment]
+    manager._run_loop = run  # type: ignore[assignment]  # in its place
     ask_while_running(manager, questions)
     assert 1 <= len(spins) <= 12
 

@@ -281,7 +281,7 @@ def test_a_topic_is_as_before_once_the_client_has_left(app: BaseManager) -> None
                 other.ask(what, topic="/imu/data")
             assert len(publisher._deliveries) == len(before) + 3
         wait_until(lambda: publisher._deliveries is before, "the end of the taps")
-        assert not app.backend._bus._taps  # type: ignore[attr-defined]
+        assert not app.backend._bus._taps  # type: ignore[attr-defined]  # a local one
         assert client.ask("topic.list")
 
     ask(app, questions)
@@ -342,7 +342,7 @@ def test_a_message_that_has_no_bytes_is_left_out(app: BaseManager) -> None:
     def questions(client: Asker) -> None:
         publisher: Any = robot(app).grip
         with streaming(client, "topic.echo", topic="/grip") as (number, _):
-            publisher.publish(Grip("wide"))  # type: ignore[arg-type]
+            publisher.publish(Grip("wide"))  # type: ignore[arg-type]  # the mistake
             publisher.publish(Grip(2.0))
             _, data = event(client, number)
             assert deserialize(data, Grip) == Grip(2.0)
@@ -379,7 +379,7 @@ def test_while_messages_come_the_thread_of_the_socket_is_woken_by_none_of_them()
     now_ns, topic, wakes = [0], FakeTopic(), list[int]()
     stream = TopicEcho(topic.backend.message_format(Imu), 100, 0, lambda: now_ns[0])
     stream._wake = lambda _: wakes.append(now_ns[0])
-    stream.open(topic)  # type: ignore[arg-type]
+    stream.open(topic)  # type: ignore[arg-type]  # a stand-in
     topic.publisher.publish(Imu())
     assert len(wakes) == 1
     stream._is_woken = False
@@ -444,7 +444,7 @@ def counting(wanted: set[str], kind: Any = Imu) -> tuple[TopicCount, FakeTopic, 
     now_ns, topic = [0], FakeTopic()
     form = topic.backend.message_format(kind)
     stream = TopicCount("sensor_msgs/msg/Imu", form, wanted, 10**9, lambda: now_ns[0])
-    stream.open(topic)  # type: ignore[arg-type]
+    stream.open(topic)  # type: ignore[arg-type]  # a stand-in
     return stream, topic, now_ns
 
 

@@ -172,7 +172,7 @@ def test_a_file_goes_on_after_logging_has_closed_it(path: Path) -> None:
     logger = RosbaseLogger("x")
     logger.info("one")
     # As `logging.config` does with every handler there is.
-    for reference in list(logging._handlerList):  # type: ignore[attr-defined]
+    for reference in list(logging._handlerList):  # type: ignore[attr-defined]  # not documented
         handler = reference()
         if handler is not None and type(handler).__name__ == "LogFile":
             handler.close()

@@ -114,7 +114,7 @@ def test_no_two_options_of_a_command_are_alike(name: str) -> None:
 def test_a_group_alone_lists_its_commands(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["topic", "--help"]) == 0
     shown = capsys.readouterr().out
-    assert all(f"  {word} " in shown for word in find(["topic"])[1].commands)  # type: ignore[union-attr]
+    assert all(f"  {word} " in shown for word in find(["topic"])[1].commands)  # type: ignore[union-attr]  # a group
     assert run(["topic"]) == 2
     assert "give a command: list, info" in capsys.readouterr().err
     assert run(["topic", "fly"]) == 2

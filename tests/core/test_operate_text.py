@@ -31,7 +31,7 @@ MESSAGE = {
 
 def echo(message: Any, *options: str) -> str:
     """What `topic echo` prints for a message."""
-    command = GROUPS["topic"].commands["echo"]  # type: ignore[union-attr]
+    command = GROUPS["topic"].commands["echo"]  # type: ignore[union-attr]  # a group
     return writer_for(Given(read(command, ["/topic", *options])))(message)
 
 
@@ -119,7 +119,7 @@ def window_of(numbers: list[float]) -> dict[str, Any]:
 def test_reports_are_joined_as_if_they_were_one(parts: list[list[float]]) -> None:
     pool, numbers = Pool(1_000, "interval"), [number for part in parts for number in part]
     for part in parts:
-        assert pool.add(window_of(part))  # type: ignore[arg-type]
+        assert pool.add(window_of(part))  # type: ignore[arg-type]  # as JSON has it
     assert pool.count == len(numbers)
     assert (pool.least, pool.most) == (min(numbers), max(numbers))
     assert pool.mean == pytest.approx(statistics.fmean(numbers))
@@ -130,7 +130,7 @@ def test_reports_are_joined_as_if_they_were_one(parts: list[list[float]]) -> Non
 def test_old_reports_leave_a_window_that_is_full() -> None:
     pool = Pool(4, "interval")
     for value in (1.0, 2.0, 3.0):
-        pool.add(window_of([value] * 3))  # type: ignore[arg-type]
+        pool.add(window_of([value] * 3))  # type: ignore[arg-type]  # as JSON has it
     assert (pool.count, pool.least) == (6, 2.0)
     assert not pool.add({"count": 0, "seconds": 1.0})
     assert pool.count == 6

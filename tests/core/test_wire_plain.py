@@ -119,7 +119,7 @@ def test_values_may_be_given_as_ros2_topic_pub_takes_them() -> None:
 def test_now_and_auto_are_the_date_where_there_is_one() -> None:
     write = encoder("std_msgs/msg/Header", schema(Header), lambda: 1_500_000_007)
     stamped = serialize(Header(Header().stamp.from_nanoseconds(1_500_000_007)))
-    assert write("auto") == write({"stamp": "now"}) == stamped  # type: ignore[arg-type]
+    assert write("auto") == write({"stamp": "now"}) == stamped  # type: ignore[arg-type]  # a word
     with pytest.raises(TypeError, match=r"^Header.stamp takes fields"):
         encoder("std_msgs/msg/Header", schema(Header))({"stamp": "now"})
 

@@ -200,7 +200,7 @@ def test_the_graph_is_what_rclpy_says(opened: Open, outside: Any) -> None:
         return {(end.node, end.name, end.type_name) for end in ends}
 
     for kind in ("publishers", "subscriptions", "services", "clients"):
-        wait_until(lambda kind=kind: asked(kind) == told(kind), kind)  # type: ignore[misc]
+        wait_until(lambda kind=kind: asked(kind) == told(kind), kind)  # type: ignore[misc]  # of this turn
     assert ("/driver", "/front/scan", "sensor_msgs/msg/Imu") in told("publishers")
     assert ("/driver", "/native", "sensor_msgs/msg/Imu") in told("publishers")
     assert ("/arm", "/open", "std_srvs/srv/Trigger") in told("services")

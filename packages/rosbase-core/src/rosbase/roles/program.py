@@ -36,7 +36,7 @@ class NodeProgram(Program):
 
 def running_node(node: "BaseNode", key: str) -> RunningNode:
     """Describe a node that has a connection."""
-    managed: ManagedNode | None = node if node._is_lifecycle else None  # type: ignore[assignment]
+    managed: ManagedNode | None = node if node._is_lifecycle else None  # type: ignore[assignment]  # so it is one
     return RunningNode(
         f"/{node._connection.node_name}", key, type(node).__name__, node._connection, managed
     )

@@ -41,7 +41,7 @@ def show_info(given: Any) -> None:
     print(full if full in {node["name"] for node in nodes} else given.node)
     for title, key in _PARTS:
         print(f"  {title}:")
-        for one in sorted(found[key], key=lambda one: one["name"]):  # type: ignore[literal-required]
+        for one in sorted(found[key], key=lambda one: one["name"]):  # type: ignore[literal-required]  # one of its keys
             print(f"    {one['name']}: {one['type']}")
     if found.get("lifecycle"):
         print(f"  Lifecycle: {found['lifecycle']}")

@@ -31,7 +31,7 @@ class Pool:
         if not isinstance(number, int) or number == 0:
             return False
         mean, std, least, most = (
-            float(window.get(f"{self._prefix}{name}{self._end}", 0) or 0)  # type: ignore[arg-type]
+            float(window.get(f"{self._prefix}{name}{self._end}", 0) or 0)  # type: ignore[arg-type]  # a number
             for name in ("mean", "std", "min", "max")
         )
         self._parts.append((number, mean, std, least, most, window.get("seconds", 0.0)))

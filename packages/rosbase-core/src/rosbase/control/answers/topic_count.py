@@ -242,4 +242,4 @@ def _stamp_ns(data: bytes) -> int:
     """Return the stamp of a message that begins with a header."""
     order = "little" if data[1] else "big"
     sec = int.from_bytes(data[4:8], order, signed=True)  # type: ignore[arg-type]  # one of two
-    return sec * _NS_PER_S + int.from_bytes(data[8:12], order)  # type: ignore[arg-type]
+    return sec * _NS_PER_S + int.from_bytes(data[8:12], order)  # type: ignore[arg-type]  # a literal

@@ -45,7 +45,7 @@ def _line(connection: socket.socket) -> bytes:
     return data
 
 
-def _start(connection: socket.socket, order: dict) -> int:  # type: ignore[type-arg] # of JSON
+def _start(connection: socket.socket, order: dict) -> int:  # type: ignore[type-arg]  # of JSON
     manager = os.getpid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     told, telling = os.pipe()

@@ -31,7 +31,7 @@ def start_in_tmux(
         stdout=subprocess.PIPE,
         start_new_session=True,
     )
-    with process.stdin as orders, process.stdout as answers:  # type: ignore[union-attr] # pipes
+    with process.stdin as orders, process.stdout as answers:  # type: ignore[union-attr]  # pipes
         pickle.dump((description, list(enabled), dict(launches)), orders)
         orders.close()
         answer = answers.readline().decode(errors="replace").strip()
