@@ -692,3 +692,6 @@ def test_what_a_child_publishes_is_heard_in_both_processes(tmp_path: Path) -> No
                 words = [int(read(client.read()[1])["data"]) for _ in range(20)]
                 # Each once, in order.
                 assert words == [words[0] + number for number in range(20)]
+        manager.ask("stop")
+        status, _, err = program.end()
+        assert status == 0, err
