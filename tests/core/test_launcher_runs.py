@@ -159,6 +159,37 @@ command = ["X=1", "false", "cd /", "echo $X $PWD; (exit 3)"]
     assert "a * ended with status 3" in launcher.said
 
 
+def test_a_plain_command_takes_the_place_of_its_shell_and_others_need_it(tmp_path: Path) -> None:
+    text = r"""
+[[nodes]]
+name = "program"
+command = "sleep TOKEN"
+[[nodes]]
+name = "last"
+command = ["X=TOKEN", "ls / > /dev/null", "sleep $X"]
+[[nodes]]
+name = "builtin"
+command = "eval 'echo $((6 * 7))'"
+[[nodes]]
+name = "function"
+command = ["f() { echo \"$1\"; }", "f 'a  b'"]
+[[nodes]]
+name = "two"
+command = "true && echo both"
+[[nodes]]
+name = "variable"
+command = "A=1 printenv A"
+"""
+    with up(tmp_path, text) as (launcher, token):
+        token.wait_for_sleepers(2)
+        shells = [line for line in token.bearers().values() if "guardian" not in line]
+        assert shells == [f"sleep {token.text}"] * 2
+        for name, said in (("builtin", "42"), ("function", "a b"), ("two", "both")):
+            launcher.waits_for(f"{name} | {said}")
+        launcher.waits_for("variable | 1")
+        assert launcher.end(signal.SIGINT) == 0
+
+
 def test_a_stop_ends_a_list_of_commands(tmp_path: Path) -> None:
     first = "import signal, sys; signal.signal(2, lambda *_: sys.exit()); print('up', flush=True)"
     text = f"""
@@ -312,6 +343,29 @@ project = "/tmp"
         "robot.toml:20: command of 'd': no file ./missing",
     ]
     assert not (tmp_path / "started").exists()
+
+
+def test_a_program_without_a_control_socket_can_not_be_waited_for(tmp_path: Path) -> None:
+    text = """
+[[nodes]]
+name = "a"
+command = "true"
+env = { ROSBASE_CONTROL = "off" }
+[[nodes]]
+name = "b"
+command = "true"
+after = { a = "handshake" }
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 2
+    fault = "after: ROSBASE_CONTROL is off for 'a', so it tells no handshake"
+    assert launcher.said == [f"robot.toml:9: {fault}"]
+
+
+def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
+    with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["rosbase: no program starts: none is enabled"]
 
 
 def test_a_file_without_mistakes_is_praised_and_nothing_starts(tmp_path: Path) -> None:

@@ -11,7 +11,9 @@ from pathlib import Path
 
 from attrs import frozen
 
+from rosbase.control.programs import CONTROL_VARIABLE
 from rosbase.launcher.description import Description, Faults, Program, Session
+from rosbase.launcher.readiness import ASKED
 from rosbase.launcher.shell import preparation, shell_path, with_our_python
 from rosbase.text.printable import one_line, printable
 
@@ -25,9 +27,11 @@ _SEPARATORS = re.compile(r"[;&|\n]")
 _BEFORE_A_COMMAND = {"exec", "time", "nohup", "!"}
 # Commands after which the same words may mean something else.
 _CHANGING = re.compile(
-    r"(?:^|[;&|\n]|\s)(?:cd|pushd|popd|\.|source|export|eval|conda|alias|module)\s"
+    r"(?:^|[;&|\s])(?:(?:cd|pushd|popd|\.|source|export|eval|conda|alias|function|module)\s|PATH=)"
+    r"|\(\)"
 )
 _FOUND, _READY = "found", "ready"
+_OFF = ("off", "0", "false")
 
 
 def environment_for(program: Program, environ: Mapping[str, str]) -> dict[str, str]:
@@ -40,6 +44,7 @@ def check_machine(description: Description, faults: Faults) -> None:
     """Note what the description needs, and this machine does not have."""
     for session in description.sessions:
         _check_session(session, faults)
+    _check_sockets(description, faults)
     cpus: dict[int, bool] = {}
     for program in description.programs:
         missing = []
@@ -52,6 +57,18 @@ def check_machine(description: Description, faults: Faults) -> None:
             shown = ", ".join(missing[:10])
             has = f"this machine has {os.cpu_count()}"
             faults.add(program.lines.get("cpus", 0), f"no CPU {shown} for '{program.key}': {has}")
+
+
+def _check_sockets(description: Description, faults: Faults) -> None:
+    """Note programs that are to be asked whether they are ready, and cannot be."""
+    programs = {program.key: program for program in description.programs}
+    for program in programs.values():
+        for key, condition in program.after.items():
+            environment = {**os.environ, **programs[key].environment}
+            is_off = environment.get(CONTROL_VARIABLE, "").lower() in _OFF
+            if condition.kind in ASKED and is_off:
+                text = f"after: {CONTROL_VARIABLE} is off for '{key}', so it tells no {condition}"
+                faults.add(program.lines.get("after", 0), text)
 
 
 def _check_session(session: Session, faults: Faults) -> None:
