@@ -111,6 +111,32 @@ while True:
             assert watch.took_s < 2.0
 
 
+@pytest.mark.parametrize(
+    ("limit", "how"), [("0.2", "was ended by SIGTERM"), ("20", "ended with status 0")]
+)
+def test_a_program_has_its_own_time_to_stop(tmp_path: Path, limit: str, how: str) -> None:
+    text = f"""
+[[nodes]]
+name = "a"
+stop_timeout_s = {limit}
+command = '''exec {sys.executable} -c "
+import os, signal, sys, time
+def park(*_):
+    print('parking', flush=True)
+    time.sleep(3)
+    sys.exit()
+signal.signal(signal.SIGINT, park)
+print(os.environ.get('ROSBASE_STOP_S'), flush=True)
+signal.pause()
+"'''
+"""
+    with up(tmp_path, text) as (launcher, _):
+        launcher.waits_for("a | None")
+        assert launcher.end(signal.SIGINT) == 0
+    assert "a | parking" in launcher.said
+    assert f"a * {how}" in launcher.said
+
+
 @pytest.mark.parametrize("command", ["{ sleep TOKEN & } ; sleep TOKEN", "setsid sleep TOKEN"])
 def test_nothing_survives_a_launcher_that_is_killed(tmp_path: Path, command: str) -> None:
     text = f'[[nodes]]\nname = "a"\ncommand = "{command} & sleep TOKEN"\n'
