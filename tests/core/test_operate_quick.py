@@ -11,8 +11,18 @@ from support.operated import APP, Robots, robots_in
 
 # Modules whose import would take a good part of the time of a command.
 SLOW = {
-    *("argparse", "asyncio", "attr", "attrs", "dataclasses", "difflib", "hypothesis"),
-    *("importlib.metadata", "inspect", "logging", "pathlib", "pluggy", "selectors", "shutil"),
+    *("argparse", "asyncio", "attr", "attrs", "collections", "dataclasses", "difflib", "enum"),
+    *(
+        "importlib.metadata",
+        "inspect",
+        "json",
+        "logging",
+        "pathlib",
+        "pluggy",
+        "re",
+        "selectors",
+        "shutil",
+    ),
     *("signal", "socket", "subprocess", "tempfile", "threading", "typing", "yaml"),
     *("rosbase.plugins", "rosbase.messages", "rosbase.clock", "rosbase.cli.run"),
 }

@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 
 from rosbase.cli import _QUICK
 from rosbase.cli.operate import run
+from rosbase.cli.operate.entries import Argument, Command, Option
 from rosbase.cli.operate.helping import command_help
 from rosbase.cli.operate.reading import UsageError, WantsHelp, find, read
-from rosbase.cli.operate.words import GROUPS, Argument, Command, Option, all_options
+from rosbase.cli.operate.words import GROUPS, all_options
 
 COMMANDS = {
     name: command

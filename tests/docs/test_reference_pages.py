@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rosbase.cli.operate.words import GROUPS, HELP, PROGRAM, Command, all_options
+from rosbase.cli.operate.entries import Command
+from rosbase.cli.operate.words import GROUPS, HELP, PROGRAM, all_options
 from rosbase.plugins import installed_plugins
 
 ROOT = Path(__file__).parents[2]

@@ -119,6 +119,20 @@ def test_the_imu_reader_is_operated_as_on_the_page(robots: Robots) -> None:
             assert reader.end() == 0
 
 
+def test_a_reader_goes_through_its_states_and_goes_on(robots: Robots) -> None:
+    with RunningRosbase("simulate") as device:
+        device.waits_for("rosbase imu", where=device.out)
+        line = next(line for line in device.out.lines if "rosbase imu" in line)
+        with RunningRosbase(*shlex.split(line)[1:]) as reader:
+            wait_for_programs("lifecycle_manager")
+            wait_until(lambda: "active [3]" in run("lifecycle", "get"), "the reader")
+            for transition in ("deactivate", "cleanup", "configure", "activate"):
+                run("lifecycle", "set", "lifecycle_manager", transition)
+            assert "  frame_id: " in run("topic", "echo", "imu/data", "--once")
+            run("stop", "lifecycle_manager")
+            assert reader.end() == 0
+
+
 def test_a_reader_that_others_bring_up_is_brought_up(robots: Robots) -> None:
     with RunningRosbase("simulate") as device:
         device.waits_for("rosbase imu", where=device.out)

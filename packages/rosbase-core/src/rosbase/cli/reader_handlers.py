@@ -47,7 +47,9 @@ class ReaderHandlers(BaseHandlers):
             self._start_ns = self._shown_ns = now_ns
         self.elapsed_s = (now_ns - self._start_ns) / 1e9
         self.manager.flush()
-        if self.manager.is_stranded:
+        if self.manager.is_active:
+            self.manager.note_active()
+        elif self.manager.is_stranded:
             self.manager.fail(f"{_STRANDED}. {_ADVICE}{self._waiting()}", has_run=False)
             return
         is_due = now_ns - self._shown_ns >= self.manager.screen.period_s * 1e9

@@ -73,6 +73,8 @@ class ReaderManager(BaseManager):
         log.screen = self.screen
         opened = open_backend(backend, BackendOptions(DEFAULT_NODE_NAME, parameters))
         self._is_alone = opened.delivers_in_process and not is_quiet
+        self._was_active = False
+        self._error_before: BaseException | None = None
         nodes: dict[str, type[BaseNode]] = {DEFAULT_NODE_NAME: ImuReader}
         # For the live line, where listening costs little; where nothing is shown, for nobody.
         if echoes or listens or (opened.delivers_in_process and not is_quiet):
@@ -147,8 +149,18 @@ class ReaderManager(BaseManager):
 
     @property
     def is_stranded(self) -> bool:
-        """Whether the reader should be active but is not, and nobody else could activate it."""
-        return self._is_alone and self.is_to_be_active and not self.is_active
+        """Whether the reader should be active, and has failed where nobody looks after it.
+
+        A reader that was active, and that somebody deactivated with `rosbase lifecycle set`, has
+        not failed.
+        """
+        if not (self._is_alone and self.is_to_be_active) or self.is_active:
+            return False
+        return not self._was_active or self.reader.last_error is not self._error_before
+
+    def note_active(self) -> None:
+        """Remember that the reader is active. Called once per tick in which it is."""
+        self._was_active, self._error_before = True, self.reader.last_error
 
     @property
     def is_to_be_active(self) -> bool:

@@ -5,8 +5,7 @@ Pure, and used by both sides. Whatever bytes come, only ControlError is raised.
 
 from __future__ import annotations
 
-import json
-
+from rosbase.control.json_text import from_json, to_json
 from rosbase.errors import ControlError
 
 # Not from `typing`, which takes a command a third of the start of Python.
@@ -43,16 +42,12 @@ def encode_line(frame: dict[str, Any], size: int = 0) -> bytes:
         frame = {**frame, "bytes": size}
     try:
         # Escapes stand for all but ASCII, so no line end is within it.
-        line = _to_json(frame).encode("ascii")
+        line = to_json(frame).encode("ascii")
     except (TypeError, ValueError, RecursionError) as error:
         raise ControlError(f"it cannot be written as JSON: {error}", "invalid") from None
     if len(line) > MOST_ANSWER or size > MOST_PAYLOAD:
         raise ControlError(f"it is too long: {len(line)} and {size} bytes", "failed")
     return line + b"\n"
-
-
-# `json.dumps` would make an encoder for each frame.
-_to_json = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
 
 
 class FrameReader:
@@ -140,18 +135,9 @@ def parse_line(line: bytes) -> dict[str, Any]:
         ControlError: It is something else.
     """
     try:
-        found = json.loads(line.decode("utf-8"), parse_constant=_refuse)
+        found = from_json(line.decode("utf-8"))
     except (ValueError, RecursionError):
         raise ControlError("a line that is no JSON", "invalid") from None
     if not isinstance(found, dict):
         raise ControlError("a line that is no JSON object", "invalid")
     return found
-
-
-def _refuse(constant: str) -> None:
-    """Refuse Infinity and NaN, which Python's parser takes.
-
-    Raises:
-        ValueError: Always.
-    """
-    raise ValueError(constant)

@@ -5,7 +5,6 @@ import re
 import shlex
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from rosbase.control.programs import CONTROL_VARIABLE
 from rosbase.launcher.description import Description, Faults, Program, Session
 from rosbase.launcher.readiness import ASKED
 from rosbase.launcher.shell import preparation, shell_path, with_our_python
+from rosbase.runtime.signal_masks import background_thread
 from rosbase.text.printable import one_line, printable
 
 __all__ = ["check_machine", "environment_for"]
@@ -215,7 +215,7 @@ def _has_cpu(cpu: int) -> bool:
         except (OSError, OverflowError, ValueError):
             answer.append(False)
 
-    thread = threading.Thread(target=attempt)
+    thread = background_thread(attempt, "CPU")
     thread.start()
     thread.join()
     return answer[0]

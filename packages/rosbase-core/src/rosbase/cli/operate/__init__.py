@@ -9,13 +9,13 @@ from __future__ import annotations
 import os
 import sys
 
+from rosbase.cli.operate.entries import Command
 from rosbase.cli.operate.reading import Given, UsageError, WantsHelp, find, read
-from rosbase.cli.operate.words import Command
 from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from rosbase.cli.operate.words import Group
+    from rosbase.cli.operate.entries import Group
 
 __all__ = ["run"]
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import sys
 
+from rosbase.cli.operate.entries import Argument, Command, Option
 from rosbase.cli.operate.reading import UsageError, find
-from rosbase.cli.operate.words import GROUPS, Argument, Command, Option, all_options
+from rosbase.cli.operate.words import GROUPS, all_options
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -1,6 +1,7 @@
 """The help of the commands, made from their table. Pure."""
 
-from rosbase.cli.operate.words import Command, Group, all_options
+from rosbase.cli.operate.entries import Command, Group
+from rosbase.cli.operate.words import all_options
 
 __all__ = ["command_help", "group_help", "usage"]
 

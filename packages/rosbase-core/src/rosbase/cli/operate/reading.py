@@ -1,6 +1,7 @@
 """Read a command line by the table of commands. Pure."""
 
-from rosbase.cli.operate.words import GROUPS, Command, Group, Option, all_options
+from rosbase.cli.operate.entries import Command, Group, Option
+from rosbase.cli.operate.words import GROUPS, all_options
 
 __all__ = ["Given", "UsageError", "WantsHelp", "find", "read"]
 

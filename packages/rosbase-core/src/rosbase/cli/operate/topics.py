@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["find", "show_info", "show_list", "show_type"]
 
+_MOST_NAMED = 5
+
 
 def show_list(given: Any) -> None:
     """Print the names of the topics, one a line, as `ros2 topic list` does."""
@@ -54,11 +56,14 @@ def _warn_of_several(questions: TopicQuestions, topics: list[Topic]) -> None:
 
     processes = questions.processes()
     all_buses = buses(processes)
+    by_place: dict[str, list[str]] = {}
     for topic in topics:
         if len(found := on_several(topic, all_buses)) > 1:
             names = ", ".join(_bus_name(bus, processes) for bus in found)
-            text = f"{topic['name']} is a topic of its own in each of: {names}"
-            print(f"rosbase: {text}", file=sys.stderr)
+            by_place.setdefault(names, []).append(topic["name"])
+    for names, those in by_place.items():
+        shown = ", ".join(those[:_MOST_NAMED]) + (", ..." if len(those) > _MOST_NAMED else "")
+        print(f"rosbase: not the same topic in each of {names}: {shown}", file=sys.stderr)
 
 
 def show_info(given: Any) -> None:

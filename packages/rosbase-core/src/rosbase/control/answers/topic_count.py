@@ -26,7 +26,7 @@ _NS_PER_S = 1_000_000_000
 _MOST_TIMES = 100_000
 _MOST_MESSAGES = 1_000
 # In short turns, so that the main loop is not kept from Python's lock for long.
-_LOOK_NS = 100_000_000
+_LOOK_NS = 250_000_000
 # Messages are kept only as long as they must be.
 _LOOK_AT_MESSAGES_NS = 50_000_000
 
