@@ -79,7 +79,9 @@ def home(tmp_path: Path) -> Path:
     """The home of a user of ros_base."""
     for folder in ("work/controller", "work/a/b", "ros_ws", "bin"):
         (tmp_path / folder).mkdir(parents=True)
-    (tmp_path / "ros_ws/setup.sh").write_text("export ROS_DISTRO=jazzy\nfalse\n")
+    (tmp_path / "ros_ws/setup.sh").write_text(
+        "export ROS_DISTRO=jazzy\n[ $# = 0 ] || exit 9\nfalse\n"
+    )
     (tmp_path / "bin/conda").write_text(CONDA)
     (tmp_path / "bin/conda").chmod(0o755)
     (tmp_path / "bin/python").symlink_to(sys.executable)

@@ -90,13 +90,13 @@ def _check_session(session: Session, faults: Faults) -> None:
                 text = f"parameters: no file {printable(str(file))}"
                 faults.add(program.lines.get("parameters", 0), text)
         wanted += _words(program)
-    by_environment: dict[tuple[tuple[str, str], ...], list[_Word]] = {}
+    # One shell for all programs that are looked for in the same places.
+    by_path: dict[str, list[_Word]] = {}
     for word in wanted:
-        key = tuple(sorted(word.program.environment.items()))
-        by_environment.setdefault(key, []).append(word)
-    if session.conda_env and not by_environment:
-        by_environment[()] = []
-    for words in by_environment.values():
+        by_path.setdefault(word.program.environment.get("PATH", ""), []).append(word)
+    if session.conda_env and not by_path:
+        by_path[""] = []
+    for words in by_path.values():
         _probe(session, setup, words, faults)
 
 
@@ -177,7 +177,8 @@ def _ask_shell(
     text = "\n".join(
         (
             *("exec 3>&1 >/dev/null", preparation(setup, session.conda_env), f"echo {_READY} >&3"),
-            'for name in "$@"; do',
+            # Not as arguments, because a script that is sourced would see them.
+            f"for name in {shlex.join(names)}; do",
             f'  command -v -- "$name" >/dev/null 2>&1 && echo "{_FOUND} $name" >&3',
             "done; exit 0",
         )
@@ -186,7 +187,7 @@ def _ask_shell(
     what = conda if session.conda_env else "ros_setup: cannot be sourced"
     try:
         done = subprocess.run(
-            [shell_path(environment), "-c", text, "rosbase", *names],
+            [shell_path(environment), "-c", text],
             check=False,
             capture_output=True,
             stdin=subprocess.DEVNULL,
