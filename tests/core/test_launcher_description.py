@@ -93,6 +93,7 @@ def test_all_of_the_superset_is_read() -> None:
         restart={"policy": "always", "limit": 7, "backoff_s": 20, "stable_s": 3},
         after={"other": "log: ready [0-9]+"},
         after_timeout_s=2.5,
+        stop_timeout_s=10,
         required=True,
         parameters={"camera": {"fps": 30}, "drive.limits": [1.0, 2.0]},
         backend="ros2",
@@ -105,7 +106,7 @@ def test_all_of_the_superset_is_read() -> None:
     )
     assert one.after == {"other": Condition("log", "ready [0-9]+")}
     assert (one.after_timeout_s, one.is_required, one.backend) == (2.5, True, "ros2")
-    assert one.on_a_terminal
+    assert (one.on_a_terminal, one.stop_timeout_s) == (True, 10)
     assert one.parameters == (
         GivenValue("", "camera.fps", 30, "typed"),
         GivenValue("", "drive.limits", [1.0, 2.0], "typed"),

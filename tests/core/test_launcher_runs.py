@@ -111,6 +111,32 @@ while True:
             assert watch.took_s < 2.0
 
 
+@pytest.mark.parametrize(
+    ("limit", "how"), [("0.2", "was ended by SIGTERM"), ("20", "ended with status 0")]
+)
+def test_a_program_has_its_own_time_to_stop(tmp_path: Path, limit: str, how: str) -> None:
+    text = f"""
+[[nodes]]
+name = "a"
+stop_timeout_s = {limit}
+command = '''exec {sys.executable} -c "
+import os, signal, sys, time
+def park(*_):
+    print('parking', flush=True)
+    time.sleep(3)
+    sys.exit()
+signal.signal(signal.SIGINT, park)
+print(os.environ.get('ROSBASE_STOP_S'), flush=True)
+signal.pause()
+"'''
+"""
+    with up(tmp_path, text) as (launcher, _):
+        launcher.waits_for("a | None")
+        assert launcher.end(signal.SIGINT) == 0
+    assert "a | parking" in launcher.said
+    assert f"a * {how}" in launcher.said
+
+
 @pytest.mark.parametrize("command", ["{ sleep TOKEN & } ; sleep TOKEN", "setsid sleep TOKEN"])
 def test_nothing_survives_a_launcher_that_is_killed(tmp_path: Path, command: str) -> None:
     text = f'[[nodes]]\nname = "a"\ncommand = "{command} & sleep TOKEN"\n'
@@ -157,6 +183,37 @@ command = ["X=1", "false", "cd /", "echo $X $PWD; (exit 3)"]
         assert launcher.end() == 1
     assert "a | 1 /" in launcher.said
     assert "a * ended with status 3" in launcher.said
+
+
+def test_a_plain_command_takes_the_place_of_its_shell_and_others_need_it(tmp_path: Path) -> None:
+    text = r"""
+[[nodes]]
+name = "program"
+command = "sleep TOKEN"
+[[nodes]]
+name = "last"
+command = ["X=TOKEN", "ls / > /dev/null", "sleep $X"]
+[[nodes]]
+name = "builtin"
+command = "eval 'echo $((6 * 7))'"
+[[nodes]]
+name = "function"
+command = ["f() { echo \"$1\"; }", "f 'a  b'"]
+[[nodes]]
+name = "two"
+command = "true && echo both"
+[[nodes]]
+name = "variable"
+command = "A=1 printenv A"
+"""
+    with up(tmp_path, text) as (launcher, token):
+        token.wait_for_sleepers(2)
+        shells = [line for line in token.bearers().values() if "guardian" not in line]
+        assert shells == [f"sleep {token.text}"] * 2
+        for name, said in (("builtin", "42"), ("function", "a b"), ("two", "both")):
+            launcher.waits_for(f"{name} | {said}")
+        launcher.waits_for("variable | 1")
+        assert launcher.end(signal.SIGINT) == 0
 
 
 def test_a_stop_ends_a_list_of_commands(tmp_path: Path) -> None:
@@ -312,6 +369,29 @@ project = "/tmp"
         "robot.toml:20: command of 'd': no file ./missing",
     ]
     assert not (tmp_path / "started").exists()
+
+
+def test_a_program_without_a_control_socket_can_not_be_waited_for(tmp_path: Path) -> None:
+    text = """
+[[nodes]]
+name = "a"
+command = "true"
+env = { ROSBASE_CONTROL = "off" }
+[[nodes]]
+name = "b"
+command = "true"
+after = { a = "handshake" }
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 2
+    fault = "after: ROSBASE_CONTROL is off for 'a', so it tells no handshake"
+    assert launcher.said == [f"robot.toml:9: {fault}"]
+
+
+def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
+    with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["rosbase: no program starts: none is enabled"]
 
 
 def test_a_file_without_mistakes_is_praised_and_nothing_starts(tmp_path: Path) -> None:

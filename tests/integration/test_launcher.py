@@ -12,6 +12,7 @@ from typing import get_args
 import pytest
 from hypothesis import given
 
+from rosbase.control import connect
 from rosbase.launcher.description import Description, Faults, read_mapping, read_text
 from rosbase.launcher.description.model import ConditionKind
 from rosbase.launcher.description.programs import PROGRAM_KEYS, RESTART_KEYS
@@ -78,7 +79,9 @@ def home(tmp_path: Path) -> Path:
     """The home of a user of ros_base."""
     for folder in ("work/controller", "work/a/b", "ros_ws", "bin"):
         (tmp_path / folder).mkdir(parents=True)
-    (tmp_path / "ros_ws/setup.sh").write_text("export ROS_DISTRO=jazzy\nfalse\n")
+    (tmp_path / "ros_ws/setup.sh").write_text(
+        "export ROS_DISTRO=jazzy\n[ $# = 0 ] || exit 9\nfalse\n"
+    )
     (tmp_path / "bin/conda").write_text(CONDA)
     (tmp_path / "bin/conda").chmod(0o755)
     (tmp_path / "bin/python").symlink_to(sys.executable)
@@ -167,6 +170,43 @@ nodes:
   - {name: b, command: "exec sleep TOKEN", after: {a: "log: ^up$"}}
   - {name: crash, command: "echo last words; exit 3", after: b, restart: {limit: 1, backoff_s: 0}}
 """
+
+
+@needs_tmux
+def test_each_session_of_a_file_is_one_of_tmux_and_programs_wait_across(
+    tmp_path: Path, tmux: OwnTmux, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    text = """
+sessions:
+  - env: {session_name: left}
+    nodes: [{name: a, command: exec sleep TOKEN, after: {b: "log: up"}}]
+  - env: {session_name: right.arm}
+    nodes:
+      - {name: b, command: "sleep 0.2; echo up; sleep TOKEN"}
+      - {name: off, command: exec sleep TOKEN, autostart: false}
+"""
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        token,
+    ):
+        assert launcher.end() == 0
+        assert launcher.said == ["left: tmux attach -t left", "right_arm: tmux attach -t right_arm"]
+        token.wait_for_sleepers(2)
+        assert tmux.panes("left") == {"a": ""}
+        assert tmux.panes("right_arm") == {"b": ""}
+        # A program that was disabled gets its pane when it is started.
+        connect().restart("off")
+        token.wait_for_sleepers(3)
+        assert tmux.panes("right_arm") == {"b": "", "off": ""}
+        connect().stop("a")
+        tmux.waits_for("left", {"a": "130"})
+        connect().restart("a")
+        token.wait_for_sleepers(3)
+        assert tmux.panes("left") == {"a": ""}
+        connect().stop("/left")
+        token.wait_until_gone()
+        wait_until_gone(tmp_path)
 
 
 @needs_tmux

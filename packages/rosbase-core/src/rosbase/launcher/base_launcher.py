@@ -131,6 +131,8 @@ class BaseLauncher:
         if arguments.check:
             print(_praise(description, enabled))
             return 0
+        if not enabled:
+            raise ConfigurationError("no program starts: none is enabled")
         if arguments.tmux or self._tmux:
             from rosbase.launcher.tmux import start_in_tmux  # noqa: PLC0415 - few need it
 

@@ -98,7 +98,8 @@ class LauncherProgram(Program):
         if len(found) > 1:
             keys = [entry.key for entry in found]
             raise ControlError(f"'{name}' may be {', '.join(keys)}", "ambiguous", keys)
-        later = request.wait(timeout_ns=_TIMEOUT_NS)
+        stop_ns = int((found[0].program.stop_timeout_s or 0.0) * 1e9)
+        later = request.wait(timeout_ns=_TIMEOUT_NS + stop_ns)
         self._run.executor.call_soon(partial(command, found[0], request))
         return later
 

@@ -11,7 +11,7 @@ from rosbase.launcher.description import Program, Session
 from rosbase.launcher.machine import environment_for
 from rosbase.launcher.shell import script, shell_path
 from rosbase.parameters.given import GIVEN_VARIABLE, LAUNCHED_VARIABLE, GivenParameters
-from rosbase.processes.guardian import MARK_VARIABLE
+from rosbase.processes.guardian import MARK_VARIABLE, STOP_VARIABLE
 from rosbase.processes.launch import Launch, Launched, Order, start_guarded
 from rosbase.program.files import read_file
 from rosbase.roles.connection import BACKEND_VARIABLE
@@ -52,6 +52,8 @@ def launch_of(session: Session, program: Program) -> ProgramLaunch:
         environment[GIVEN_VARIABLE] = given.to_json()
     # Its own mark will be one more.
     environment[LAUNCHED_VARIABLE] = str(len(os.environ.get(MARK_VARIABLE, "").split()) + 1)
+    if program.stop_timeout_s is not None:
+        environment[STOP_VARIABLE] = str(program.stop_timeout_s)
     if program.backend:
         environment[BACKEND_VARIABLE] = program.backend
     return ProgramLaunch(

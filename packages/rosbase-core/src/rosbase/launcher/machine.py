@@ -5,14 +5,16 @@ import re
 import shlex
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from attrs import frozen
 
+from rosbase.control.programs import CONTROL_VARIABLE
 from rosbase.launcher.description import Description, Faults, Program, Session
+from rosbase.launcher.readiness import ASKED
 from rosbase.launcher.shell import preparation, shell_path, with_our_python
+from rosbase.runtime.signal_masks import background_thread
 from rosbase.text.printable import one_line, printable
 
 __all__ = ["check_machine", "environment_for"]
@@ -25,9 +27,11 @@ _SEPARATORS = re.compile(r"[;&|\n]")
 _BEFORE_A_COMMAND = {"exec", "time", "nohup", "!"}
 # Commands after which the same words may mean something else.
 _CHANGING = re.compile(
-    r"(?:^|[;&|\n]|\s)(?:cd|pushd|popd|\.|source|export|eval|conda|alias|module)\s"
+    r"(?:^|[;&|\s])(?:(?:cd|pushd|popd|\.|source|export|eval|conda|alias|function|module)\s|PATH=)"
+    r"|\(\)"
 )
 _FOUND, _READY = "found", "ready"
+_OFF = ("off", "0", "false")
 
 
 def environment_for(program: Program, environ: Mapping[str, str]) -> dict[str, str]:
@@ -40,6 +44,7 @@ def check_machine(description: Description, faults: Faults) -> None:
     """Note what the description needs, and this machine does not have."""
     for session in description.sessions:
         _check_session(session, faults)
+    _check_sockets(description, faults)
     cpus: dict[int, bool] = {}
     for program in description.programs:
         missing = []
@@ -52,6 +57,18 @@ def check_machine(description: Description, faults: Faults) -> None:
             shown = ", ".join(missing[:10])
             has = f"this machine has {os.cpu_count()}"
             faults.add(program.lines.get("cpus", 0), f"no CPU {shown} for '{program.key}': {has}")
+
+
+def _check_sockets(description: Description, faults: Faults) -> None:
+    """Note programs that are to be asked whether they are ready, and cannot be."""
+    programs = {program.key: program for program in description.programs}
+    for program in programs.values():
+        for key, condition in program.after.items():
+            environment = {**os.environ, **programs[key].environment}
+            is_off = environment.get(CONTROL_VARIABLE, "").lower() in _OFF
+            if condition.kind in ASKED and is_off:
+                text = f"after: {CONTROL_VARIABLE} is off for '{key}', so it tells no {condition}"
+                faults.add(program.lines.get("after", 0), text)
 
 
 def _check_session(session: Session, faults: Faults) -> None:
@@ -73,13 +90,13 @@ def _check_session(session: Session, faults: Faults) -> None:
                 text = f"parameters: no file {printable(str(file))}"
                 faults.add(program.lines.get("parameters", 0), text)
         wanted += _words(program)
-    by_environment: dict[tuple[tuple[str, str], ...], list[_Word]] = {}
+    # One shell for all programs that are looked for in the same places.
+    by_path: dict[str, list[_Word]] = {}
     for word in wanted:
-        key = tuple(sorted(word.program.environment.items()))
-        by_environment.setdefault(key, []).append(word)
-    if session.conda_env and not by_environment:
-        by_environment[()] = []
-    for words in by_environment.values():
+        by_path.setdefault(word.program.environment.get("PATH", ""), []).append(word)
+    if session.conda_env and not by_path:
+        by_path[""] = []
+    for words in by_path.values():
         _probe(session, setup, words, faults)
 
 
@@ -160,7 +177,8 @@ def _ask_shell(
     text = "\n".join(
         (
             *("exec 3>&1 >/dev/null", preparation(setup, session.conda_env), f"echo {_READY} >&3"),
-            'for name in "$@"; do',
+            # Not as arguments, because a script that is sourced would see them.
+            f"for name in {shlex.join(names)}; do",
             f'  command -v -- "$name" >/dev/null 2>&1 && echo "{_FOUND} $name" >&3',
             "done; exit 0",
         )
@@ -169,7 +187,7 @@ def _ask_shell(
     what = conda if session.conda_env else "ros_setup: cannot be sourced"
     try:
         done = subprocess.run(
-            [shell_path(environment), "-c", text, "rosbase", *names],
+            [shell_path(environment), "-c", text],
             check=False,
             capture_output=True,
             stdin=subprocess.DEVNULL,
@@ -198,7 +216,7 @@ def _has_cpu(cpu: int) -> bool:
         except (OSError, OverflowError, ValueError):
             answer.append(False)
 
-    thread = threading.Thread(target=attempt)
+    thread = background_thread(attempt, "CPU")
     thread.start()
     thread.join()
     return answer[0]

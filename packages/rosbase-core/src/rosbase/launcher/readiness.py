@@ -7,10 +7,11 @@ from typing import Protocol
 from rosbase.launcher.description import Condition
 from rosbase.runtime.signal_masks import background_thread
 
-__all__ = ["Readiness", "ReadinessWatch"]
+__all__ = ["ASKED", "Readiness", "ReadinessWatch"]
 
 _PERIOD_S = 0.1
-_ASKED = ("lifecycle active", "handshake")
+ASKED = ("lifecycle active", "handshake")
+"""Conditions for which a program is asked."""
 
 
 class Readiness(Protocol):
@@ -51,7 +52,7 @@ class ReadinessWatch:
 
     def seek(self, wanted: Iterable[tuple[str, Condition]]) -> None:
         """Ask about these conditions from now on, and about no others."""
-        asked = frozenset(pair for pair in wanted if pair[1].kind in _ASKED)
+        asked = frozenset(pair for pair in wanted if pair[1].kind in ASKED)
         if asked != self._wanted:
             with self._changed:
                 self._wanted = asked

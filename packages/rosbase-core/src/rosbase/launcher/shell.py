@@ -1,6 +1,7 @@
 """The shell script of a program: prepare the environment, change the folder, run the commands."""
 
 import os
+import re
 import shlex
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -25,6 +26,9 @@ if ! type conda 2>/dev/null | grep -q function; then
   eval "$("$rosbase_conda" shell.posix hook)" || exit 1
 fi
 conda activate %s || exit 1"""
+# More than one program, its arguments and variables: then the shell stays.
+_NOT_SIMPLE = re.compile(r"[;&|<>(){}\n`#]")
+_PROGRAM = re.compile(r"[\w./~+-]+", re.ASCII)
 # A list of commands must not go on when the running one has been asked to stop.
 _END = "trap 'exit $?' INT TERM HUP"
 
@@ -55,9 +59,21 @@ def script(session: Session, program: Program) -> str:
         preparation(session.ros_setup, session.conda_env),
         f"cd {shlex.quote(str(program.folder))} || exit 1",
         _END if len(program.commands) > 1 else "",
-        *program.commands,
+        *program.commands[:-1],
+        *map(_last, program.commands[-1:]),
     ]
     return "\n".join(line for line in lines if line)
+
+
+def _last(command: str) -> str:
+    """Return the last command so that the shell becomes its program, if it is a plain one.
+
+    Signals then reach the program itself. Builtins, functions and aliases need the shell.
+    """
+    word = (command.split() or [""])[0]
+    if _NOT_SIMPLE.search(command) or not _PROGRAM.fullmatch(word):
+        return command
+    return f'if [ "$(type -t {word})" = file ]; then exec {command}; fi\n{command}'
 
 
 def with_our_python(path: str, python: str) -> str:

@@ -43,6 +43,8 @@ _KILL_AGAIN_S = 0.05
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _IS_LINUX = sys.platform == "linux"
 _RLIMIT_LOCKS = 10
+STOP_VARIABLE = "ROSBASE_STOP_S"
+"""Environment variable of a guardian: seconds for the first signal, instead of two."""
 MARK_VARIABLE = "ROSBASE_CHILD_MARK"
 """Environment variable that marks the descendants of a manager; see `mark.py`."""
 
@@ -52,6 +54,9 @@ class Guardian:
 
     def __init__(self, control: int, manager_pid: int) -> None:
         self._control = control
+        # Taken out: a program that has children of its own decides about those.
+        first_s = os.environ.pop(STOP_VARIABLE, "")
+        self._usual = ((LADDER[0][0], float(first_s)), *LADDER[1:]) if first_s else LADDER
         self._ladder: list[tuple[int, float]] = []
         self._stage_ends: float | None = None
         self._is_killing = False
@@ -86,9 +91,9 @@ class Guardian:
                 if fd == self._signals:
                     for number in set(os.read(fd, 512)) & _stops():
                         self._say(f"told {number}")
-                        self._stop(LADDER)
+                        self._stop(self._usual)
                 elif fd == self._control and _read(fd):
-                    self._stop(LADDER)
+                    self._stop(self._usual)
                 else:
                     # The manager is gone, and says nothing more.
                     self._poll.unregister(fd)

@@ -46,6 +46,8 @@ class Program:
     """Conditions for its start, by the key of the program that meets them."""
     after_timeout_s: float | None = None
     """Seconds that it waits for them before it fails; None for no limit."""
+    stop_timeout_s: float | None = None
+    """Seconds between SIGINT and SIGTERM; None for two."""
     is_required: bool = False
     """Whether all others end when it ends for good."""
     parameters: tuple[GivenValue, ...] = ()

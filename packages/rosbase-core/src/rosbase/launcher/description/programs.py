@@ -19,7 +19,7 @@ __all__ = ["PROGRAM_KEYS", "RESTART_KEYS", "read_program"]
 
 PROGRAM_KEYS = (
     *("name", "project", "command", "cpus", "autostart", "env", "restart", "required"),
-    *("after", "after_timeout_s", "parameters", "backend", "pty"),
+    *("after", "after_timeout_s", "stop_timeout_s", "parameters", "backend", "pty"),
 )
 """Keys of a program."""
 RESTART_KEYS = ("policy", "limit", "backoff_s", "longest_backoff_s", "stable_s")
@@ -62,6 +62,7 @@ def read_program(
         restart=policy,
         after=_after(fields, faults),
         after_timeout_s=fields.number("after_timeout_s", None),
+        stop_timeout_s=fields.number("stop_timeout_s", None),
         is_required=fields.flag("required", default=False),
         parameters=parameters,
         parameter_files=files,

@@ -38,6 +38,7 @@ class Terminal:
         has_colour = wants_colour(sys.stdout) and style.has_colour
         self._style = Style(has_colour=has_colour, has_unicode=style.has_unicode)
         self._labels = Labels(keys, self._style)
+        self._shown: list[str] = []
 
     @property
     def period_s(self) -> float | None:
@@ -65,7 +66,9 @@ class Terminal:
             return
         now_ns, size = self._clock.monotonic_ns(), self._screen.size
         table = draw_table(entries, pid_of, now_ns, size, self._labels, self._style)
-        self._screen.show(table)
+        if table != self._shown:
+            self._shown = table
+            self._screen.show(table)
 
     def end(self) -> None:
         """Leave the last table standing, and write what a slow reader has not taken."""

@@ -27,6 +27,7 @@ class PaneLaunch(Launch):
     panes: Panes
     is_read: bool
     """Whether the launcher reads the output too, because somebody waits for a line of it."""
+    on_a_terminal = True
 
     def start(self, order: Order) -> Launched:
         """Start the program in its pane; open the pane if it was closed."""

@@ -9,7 +9,7 @@ from rosbase.processes.proc import read_of
 
 __all__ = ["end_session"]
 
-_PATIENCE_S = 30.0
+_PATIENCE_S = 120.0
 _MODULE = b"rosbase.launcher.tmux.background"
 
 

@@ -23,8 +23,6 @@ def start_in_tmux(
         ConfigurationError: tmux is not installed, or refuses.
     """
     Tmux()
-    if not enabled:
-        raise ConfigurationError("no program is enabled")
     process = subprocess.Popen(
         [sys.executable, "-m", "rosbase.launcher.tmux.background"],
         stdin=subprocess.PIPE,
