@@ -63,7 +63,7 @@ nitpick_ignore_regex = [
     # What only rosbase itself makes.
     (
         r"py:class",
-        r"rosbase\.(local|wire\.description|plugins\.discovery|plugins\.switches|processes\.launch)\..*",
+        r"rosbase\.(local|wire\.(description|structure)|plugins\.discovery|plugins\.switches|processes\.launch)\..*",
     ),
     (r"py:class", r"rosbase\.roles\.construction\..*"),
     # The part of a manager that its components see.

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from rosbase.messages import Header, Image, Imu, JointState, Odometry, TFMessage, Time
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire import maker, packer, serialize
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from support.wire_messages import CLASSES, Rolled, flat, made, name_of

@@ -8,7 +8,7 @@ import attrs
 import pytest
 
 from rosbase.messages import Header, Image, Imu, JointState, Odometry, Time, UInt8
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire import serialize
 from rosbase.wire.description import Field, Kind, MessageType, describe
 from support.wire_messages import CLASSES, FLOAT32_MAX, Rolled, made, name_of

@@ -3,7 +3,7 @@
 import struct
 from typing import Any
 
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.description import Field, Kind, MessageType, describe
 
 __all__ = ["PlainCdr"]

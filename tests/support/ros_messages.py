@@ -4,7 +4,7 @@ from array import array
 from importlib import import_module
 from typing import Any
 
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.structure import Field, Kind, MessageType
 
 __all__ = ["as_ros", "ros_class"]

@@ -11,7 +11,8 @@ from typing import Any, Protocol
 from hypothesis import strategies as st
 
 from rosbase import messages
-from rosbase.messages.fields import TYPECODES, Width, ros_type
+from rosbase.messages.fields import ros_type
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.description import Field, Kind, MessageType, describe
 
 __all__ = ["CLASSES", "FLOAT32_MAX", "Rolled", "flat", "made", "messages_of", "name_of"]

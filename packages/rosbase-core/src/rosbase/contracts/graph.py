@@ -1,4 +1,4 @@
-"""What a backend has: the publishers, subscriptions, services and clients of its nodes."""
+"""The graph of a backend: the publishers, subscriptions, services and clients of its nodes."""
 
 from typing import Any
 

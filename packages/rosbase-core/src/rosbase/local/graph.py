@@ -16,7 +16,7 @@ _EVENT_PROFILE = QoSProfile(10)
 
 
 class Ends(NamedTuple):
-    """What the nodes of a backend have created."""
+    """The ends that the nodes of a backend have created."""
 
     publishers: Sequence[Any]
     subscriptions: Sequence[Any]

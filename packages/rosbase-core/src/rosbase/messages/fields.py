@@ -16,7 +16,6 @@ from rosbase.messages.pickling import make_picklable
 from rosbase.messages.widths import TYPECODES, Width
 
 __all__ = [
-    "TYPECODES",
     "AtMost",
     "Buffer",
     "Byte",

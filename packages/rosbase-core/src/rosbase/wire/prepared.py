@@ -12,7 +12,7 @@ from typing import Any
 
 from attrs import frozen
 
-from rosbase.messages.fields import TYPECODES, Width
+from rosbase.messages.widths import TYPECODES, Width
 from rosbase.wire.cdr import HEADER, SIZES
 from rosbase.wire.class_writer import writer
 from rosbase.wire.description import Field, Kind, MessageType, describe

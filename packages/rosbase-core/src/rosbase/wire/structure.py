@@ -1,4 +1,4 @@
-"""What a message consists of: its ROS name, its fields and its constants, as plain data."""
+"""The structure of a message as plain data: its ROS name, its fields and its constants."""
 
 from collections.abc import Iterator, Sequence
 from enum import Enum
