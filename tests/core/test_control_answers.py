@@ -250,6 +250,13 @@ def test_a_program_may_turn_it_off() -> None:
     assert found[0] is False
 
 
+def test_a_control_that_is_no_switch_is_an_error() -> None:
+    with pytest.raises(TypeError, match="control is True or False, not 'steering'"):
+        BaseManager("app", control="steering")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="control is True or False"):
+        BaseNode(control=1)  # type: ignore[arg-type]
+
+
 def test_in_virtual_time_there_is_none() -> None:
     manager = BaseManager("app", handlers_class=Looking, backend=virtual_backend())
     manager.start_main_loop_timer()

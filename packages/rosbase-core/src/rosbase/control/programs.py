@@ -145,7 +145,10 @@ def may_be_offered(backend: Backend, *, wanted: bool) -> bool:
 
     Raises:
         ConfigurationError: The environment says neither on nor off.
+        TypeError: `wanted` is no bool. Programs may have a keyword of that name for a component.
     """
+    if not isinstance(wanted, bool):
+        raise TypeError(f"control is True or False, not {wanted!r}")
     is_on = is_control_on() and wanted and not backend.is_in_virtual_time
     if is_on:
         recent_log.start()
