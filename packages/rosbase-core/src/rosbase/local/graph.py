@@ -16,7 +16,7 @@ _EVENT_PROFILE = QoSProfile(10)
 
 
 class Ends(NamedTuple):
-    """Graph of the nodes of a `local` backend."""
+    """The ends that the nodes of a backend have created."""
 
     publishers: Sequence[Any]
     subscriptions: Sequence[Any]
