@@ -232,5 +232,5 @@ def test_what_serves_clients_is_not_imported_until_one_comes(tmp_path: Path) -> 
     with running(tmp_path, QUIET) as program:
         status, out, err = program.end()
     assert status == 0, err
-    needed = ("folder", "programs", "recent_log", "server", "socket_file")
+    needed = ("folder", "programs", "recent_log", "server", "socket_file", "unheard")
     assert out.split() == ["rosbase.control", *(f"rosbase.control.{name}" for name in needed)]
