@@ -26,7 +26,9 @@ def test_the_end_of_the_output_may_come_before_the_last_words() -> None:
     supervisor = Supervisor([], RosbaseLogger("test"))
     supervisor._start(child)
     (life,) = supervisor._lives
-    wait_until(lambda: life._guardian.poll() is not None, "the end of the guardian")
+    process = life._guardian
+    assert isinstance(process, subprocess.Popen)
+    wait_until(lambda: process.poll() is not None, "the end of the guardian")
     while supervisor._read(life):
         pass
     supervisor._end(life)
