@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile
 
 from imu_serial.simulator import PtyDevice
 from rosbase import (
@@ -241,6 +242,7 @@ class Fake:
     """The rclpy publisher of a topic, which refuses."""
 
     topic_name = "/imu/data"
+    qos_profile = QoSProfile(depth=10)
 
     def publish(self, message: object) -> None:
         raise RCLError("Failed to publish: cannot publish data")

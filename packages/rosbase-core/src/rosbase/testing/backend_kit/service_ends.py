@@ -56,9 +56,14 @@ class ServiceEndChecks(ServiceRig):
         self.require_kept(promised)
         # The thread that calls answers itself, and can only notice afterwards.
         self.calling(promised, backend, work)
-        promised.require(
-            client.dropped == 2,
-            f"after a second one, which its own thread answered, dropped is {client.dropped}",
+        take_over(backend)
+        self.wait(
+            promised,
+            lambda: client.dropped == 2,
+            lambda: (
+                f"after a second one, which its own thread answered, dropped is {client.dropped}"
+            ),
+            backend,
         )
 
     def test_cancelled_calls_stay_so(self) -> None:
