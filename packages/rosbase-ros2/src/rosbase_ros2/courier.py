@@ -76,7 +76,8 @@ def ros_class(name: str, msg_type: type) -> Any:
     try:
         module = import_module(f"{package}.{kind}")
     except ModuleNotFoundError:
-        install = f"pip install ros-jazzy-{package.replace('_', '-')}, or "
+        wheel = f"ros-jazzy-{package.replace('_', '-')}"
+        install = f"pip install {wheel}, or "
         raise TypeError(
             f"{msg_type.__name__} is {name} in ROS, and {package} is not installed:"
             f" {'' if package in _WITHOUT_WHEEL else install}source a workspace that has it"
