@@ -17,8 +17,9 @@ from typing import Any
 import pytest
 
 from rosbase import ControlError
-from rosbase.control import clients, programs
+from rosbase.control import clients, programs, socket_file
 from rosbase.control.clients import MOST_CLIENTS
+from rosbase.control.gathering import gather
 from rosbase.control.programs import offered
 from rosbase.control.requests import Request
 from rosbase.control.session import Session
@@ -220,7 +221,8 @@ def gone_pid() -> int:
 
 def test_stale_sockets_of_others_are_removed_and_nothing_else_is() -> None:
     folder, pid = Path(own_socket()).parent, gone_pid()
-    names = [f"{pid}.sock", f"{pid}-1.sock"]
+    # The last one is of a process that was killed before it had its name.
+    names = [f"{pid}.sock", f"{pid}-1.sock", f"{pid}.0a1b2c"]
     for name in names:
         left_behind(str(folder / name))
     # A file of that name is nobody's socket, and this one's process lives.
@@ -235,6 +237,55 @@ def test_stale_sockets_of_others_are_removed_and_nothing_else_is() -> None:
         for name in [*kept, f"{os.getppid()}.sock"]:
             assert (folder / name).exists(), name
             (folder / name).unlink()
+
+
+def test_a_client_that_looks_while_a_program_starts_takes_nothing_from_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looks: list[int] = []
+
+    class Watched(socket.socket):
+        """A socket during whose making a client looks at every step."""
+
+        def bind(self, address: Any) -> None:
+            super().bind(address)
+            self.look()
+
+        def listen(self, backlog: int = 0, /) -> None:
+            self.look()
+            super().listen(backlog)
+            self.look()
+
+        def look(self) -> None:
+            looks.append(len(gather([("process", {})], on_silent=None)))
+
+    os.makedirs(Path(own_socket()).parent, mode=0o700, exist_ok=True)
+    monkeypatch.setattr(socket_file.socket, "socket", Watched)
+    with offering() as path:
+        assert len(looks) == 3
+        with Asker(path) as client:
+            assert client.hello["pid"] == os.getpid()
+        assert os.listdir(Path(path).parent) == [Path(path).name]
+
+
+def test_a_start_that_fails_takes_its_unfinished_socket_along(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.rename", fail)
+    with offering() as path:
+        assert os.listdir(Path(path).parent) == []
+
+
+def test_a_client_removes_no_socket_of_a_living_process() -> None:
+    path = Path(own_socket()).parent / f"{os.getppid()}.sock"
+    left_behind(str(path))
+    assert gather([("process", {})]) == []
+    # A process of that pid could be taking the name at this moment.
+    assert path.exists()
+    path.unlink()
 
 
 def test_the_end_removes_its_own_socket_only() -> None:
