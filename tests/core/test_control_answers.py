@@ -107,6 +107,7 @@ def test_a_process_tells_what_runs_in_it_and_what_it_uses() -> None:
             "kind": "manager",
             "class": "BaseManager",
             "backend": "local",
+            "network": "",
             "phase": "running",
             "waiting_for": [],
             "state": "searching",

@@ -41,6 +41,7 @@ class Program(TypedDict):
     kind: str
     phase: str
     backend: str
+    network: str
     state: Any
     waiting_for: list[str]
     rate_hz: float | None

@@ -35,6 +35,7 @@ def _described(program: Program, now_ns: int) -> dict[str, Any]:
         "kind": program.kind,
         "class": program.class_name,
         "backend": None if backend is None else backend_name(backend),
+        "network": "" if backend is None else backend.network,
         "phase": program.phase,
         "waiting_for": [],
         "state": None,
