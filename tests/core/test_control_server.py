@@ -616,6 +616,43 @@ def test_an_answer_may_come_later_from_any_thread_with_bytes() -> None:
         assert client.ask("process")
 
 
+def test_a_client_that_asks_nothing_more_still_gets_its_late_answers() -> None:
+    asked: list[Request] = []
+    stream = Fed()
+
+    def later(_: Session, request: Request) -> Any:
+        asked.append(request)
+        return request.wait()
+
+    program = FakeProgram(later=later, fed=lambda *_: stream)
+    with offering(program) as path, Asker(path) as client:
+        number = client.send("later")
+        client.ask("fed")
+        # As `nc -N` does at the end of its input.
+        client.socket.shutdown(socket.SHUT_WR)
+        wait_until(lambda: asked, "the request")
+        assert len_of_clients(path) == 2
+        stream.waiting.append(5)
+        stream.wake()
+        assert client.read()[0]["event"] == {"n": 5}
+        assert asked[0].answer({"y": 6})
+        assert client.read()[0] == {"id": number, "ok": {"y": 6}}
+        stream.end("done")
+        assert client.read()[0]["end"] == "done"
+        assert client.is_closed()
+
+
+def test_a_client_that_asks_nothing_more_and_leaves_ends_its_streams() -> None:
+    stream = Fed()
+    with offering(FakeProgram(fed=lambda *_: stream)) as path:
+        with Asker(path) as client:
+            client.ask("fed")
+            client.socket.shutdown(socket.SHUT_WR)
+            assert len_of_clients(path) == 2
+        wait_until(lambda: stream.is_closed, "the end of the stream")
+        assert len_of_clients(path) == 1
+
+
 def test_a_request_that_nobody_answers_times_out_when_it_says() -> None:
     gave_up = []
 
