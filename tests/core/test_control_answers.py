@@ -102,6 +102,8 @@ def test_a_process_tells_what_runs_in_it_and_what_it_uses() -> None:
         assert 0 < program.pop("up_ns") < 10**11
         assert program.pop("ticks") > 3
         assert program.pop("overruns") >= 0
+        # One may just run.
+        assert (program.pop("tick_ns") or 0) < 10**10
         assert program == {
             "name": "/app",
             "kind": "manager",
@@ -484,6 +486,36 @@ def test_while_the_loop_blocks_all_is_read_and_changes_time_out_and_are_never_ma
     camera.add_post_set_parameters_callback(lambda given: changes.extend(p.value for p in given))
     ask_while_running(manager, questions)
     assert changes == [25]
+
+
+@pytest.mark.parametrize("timing", ["normal", "precise"])
+def test_a_tick_that_hangs_is_told_with_its_age(timing: str) -> None:
+    manager = app(handlers_class=Blocking, timing=timing)
+    handlers: Any = manager.handlers
+
+    def questions(client: Asker) -> None:
+        assert handlers.is_blocked.wait(20)
+        ages = [told(client)["tick_ns"] for _ in range(2)]
+        ages.append(client.ask("statistics")["programs"][0]["tick_ns"])
+        assert 0 < ages[0] < ages[1] < ages[2] < 20 * 10**9
+        handlers.may_go_on.set()
+        wait_until(lambda: told(client)["tick_ns"] is None, "the end of the tick")
+
+    ask_while_running(manager, questions)
+    assert manager.loop_stats.tick_started_ns is None
+    assert manager.loop_stats.busy.count == manager.loop_stats.ticks
+
+
+def test_a_tick_that_has_failed_no_longer_runs() -> None:
+    class Failing(BaseHandlers):
+        def handle(self) -> None:
+            raise KeyError("lens")
+
+    manager = app(handlers_class=Failing)
+    with pytest.raises(KeyError):
+        manager.start_main_loop_timer()
+    assert manager.loop_stats.tick_started_ns is None
+    assert manager.loop_stats.ticks == 0
 
 
 def test_a_change_that_has_begun_says_so_when_its_time_is_up() -> None:

@@ -47,6 +47,7 @@ class Program(TypedDict):
     rate_hz: float | None
     ticks: int
     overruns: int
+    tick_ns: int | None
     up_ns: int
     nodes: list[str]
     children: list[Child]
@@ -223,6 +224,7 @@ class Statistics(TypedDict, total=False):
     busy: dict[str, Any]
     ticks: int
     overruns: int
+    tick_ns: int | None
     rate_hz: float | None
 
 
