@@ -402,6 +402,30 @@ def test_parameters_are_set_on_the_main_loop_and_refused_with_reasons() -> None:
 # The lifecycle.
 
 
+@pytest.mark.parametrize("value", ["a\ud800", {"text": "a\udcff"}])
+@pytest.mark.parametrize("together", [True, False])
+def test_a_text_with_half_a_surrogate_is_refused(value: Any, together: bool) -> None:
+    def questions(client: Asker) -> None:
+        values = {"name": value}
+        found = client.ask("parameter.set", node="words", values=values, atomically=together)
+        result = found["results"]["name"]
+        assert not result["successful"]
+        assert "has half a surrogate" in result["reason"]
+        values = {"names": ["b", "\ud800"]}
+        found = client.ask("parameter.set", node="words", values=values, atomically=together)
+        assert not found["results"]["names"]["successful"]
+        kept = client.ask("parameter.get", node="words")["values"]
+        assert (kept["name"]["value"], kept["names"]["value"]) == ("on", ["a"])
+
+    class Words(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.declare_parameter("name", "on")
+            self.declare_parameter("names", ["a"])
+
+    ask(questions, nodes_dict={"words": Words})
+
+
 def test_transitions_are_made_on_request_and_refused_with_the_reason() -> None:
     def change(client: Asker, transition: Any) -> tuple[Any, ...]:
         answer = client.answer("lifecycle.set", node="camera", transition=transition)
