@@ -189,6 +189,22 @@ def test_clients_look_into_both_places(places: tuple[Path, Path]) -> None:
     ]
 
 
+def test_a_folder_with_wrong_rights_is_told_to_clients_unless_there_are_other_sockets(
+    places: tuple[Path, Path],
+) -> None:
+    wrong, right = places[0] / "rosbase", places[1] / f"rosbase-{UID}"
+    wrong.mkdir()
+    wrong.chmod(0o755)
+    (wrong / "7.sock").touch()
+    with pytest.raises(ControlError, match=f"others may read {wrong}: run `chmod 700") as caught:
+        sockets()
+    assert caught.value.kind == "refused"
+    # Otherwise anybody could end all commands of a user by a folder in /tmp.
+    right.mkdir(0o700)
+    (right / "8.sock").touch()
+    assert sockets() == [(8, f"{right}/8.sock")]
+
+
 def test_where_nothing_is_there_are_no_sockets(places: tuple[Path, Path]) -> None:
     assert places[0].exists()
     assert sockets() == []

@@ -102,6 +102,16 @@ def test_ps_and_stats_tell_that_a_loop_hangs(robots: Robots) -> None:
     assert "the current tick" not in run("stats")
 
 
+def test_a_folder_of_sockets_with_wrong_rights_is_an_error_with_its_cure(robots: Robots) -> None:
+    robots.start(APP)
+    folder = Path(os.environ["XDG_RUNTIME_DIR"], "rosbase")
+    folder.chmod(0o755)
+    for words in ("ps", "topic list", "param get app robot.speed"):
+        assert f"run `chmod 700 {folder}`" in run(*words.split(), status=1)
+    folder.chmod(0o700)
+    assert "app" in run("ps")
+
+
 def test_nothing_runs_is_no_failure(robots: Robots) -> None:
     assert run("ps").count("\n") == 1
     for words in ("node list", "param list", "lifecycle nodes", "service list", "log"):

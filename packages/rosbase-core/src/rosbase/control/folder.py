@@ -45,13 +45,16 @@ def socket_path(folder: str, pid: int, number: int = 0) -> str:
 
 def folders_to_read() -> list[str]:
     """Return the folders that exist and are this user's alone, for a client to look into."""
-    runtime, uid = os.environ.get("XDG_RUNTIME_DIR"), os.geteuid()
-    paths = [f"{runtime or f'/run/user/{uid}'}/rosbase", _under_tmp()]
-    return [path for path in dict.fromkeys(paths) if not _fault(path)]
+    return [path for path in _possible_folders() if not _fault(path)]
 
 
 def sockets() -> list[tuple[int, str]]:
-    """Return the pid and the path of each socket, by pid. Some may be stale."""
+    """Return the pid and the path of each socket, by pid. Some may be stale.
+
+    Raises:
+        ControlError: There is none, but a folder that is not this user's alone, so that sockets in
+            it do not count. The message says what to do.
+    """
     found = []
     for folder in folders_to_read():
         try:
@@ -63,7 +66,20 @@ def sockets() -> list[tuple[int, str]]:
             pid, dot, ending = name.partition(".")
             if dot and ending == "sock" and (number := pid.partition("-")[0]).isdecimal():
                 found.append((int(number), f"{folder}/{name}"))
+    if not found:
+        _require_no_fault()
     return sorted(found)
+
+
+def _possible_folders() -> list[str]:
+    runtime, uid = os.environ.get("XDG_RUNTIME_DIR"), os.geteuid()
+    return list(dict.fromkeys([f"{runtime or f'/run/user/{uid}'}/rosbase", _under_tmp()]))
+
+
+def _require_no_fault() -> None:
+    for path in _possible_folders():
+        if os.path.lexists(path) and (fault := _fault(path)):
+            raise ControlError(fault, "refused")
 
 
 def _under_runtime_dir() -> str:
