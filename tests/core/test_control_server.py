@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -399,7 +400,10 @@ def test_a_client_that_reads_no_answers_is_not_read_from(path: str) -> None:
     assert memory_bytes() - before < 50_000_000
 
 
-def test_a_thousand_connections_are_served_or_told_why_not(path: str) -> None:
+def test_a_thousand_connections_are_served_or_told_why_not(
+    path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clients, "_REST_NS", 10**12)
     connections, told = [], 0
     try:
         for _ in range(1_000):
@@ -409,11 +413,41 @@ def test_a_thousand_connections_are_served_or_told_why_not(path: str) -> None:
             connection.connect(path)
             frame = json.loads(connection.makefile("rb").readline())
             told += "error" in frame
+            last = frame
     finally:
         for connection in connections:
             connection.close()
     assert told == 1_000 - MOST_CLIENTS
+    assert last["error"] == f"64 clients are connected to process {os.getpid()}"
     wait_until(lambda: len_of_clients(path) == 1, "the end of the connections")
+
+
+def test_idle_connections_make_room_for_others_and_busy_ones_do_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(clients, "_REST_NS", 0)
+    program = FakeProgram(
+        fed=lambda *_: Fed(), never=lambda _, request: request.wait(timeout_ns=10**12)
+    )
+    with ExitStack() as stack, offering(program) as path:
+        busy = [stack.enter_context(Asker(path)) for _ in range(MOST_CLIENTS - 2)]
+        for number, client in enumerate(busy):
+            client.send("fed" if number % 2 else "never")
+            if number % 2:
+                client.read()
+        first, second = (stack.enter_context(Asker(path)) for _ in range(2))
+        assert first.ask("process")["clients"] == MOST_CLIENTS
+        # The second has been silent for longer.
+        with Asker(path) as other:
+            assert other.ask("stop") == {"programs": ["/fake"]}
+            frame = second.read()[0]
+            assert (frame["id"], frame["kind"]) == (None, "refused")
+            assert frame["error"].endswith("and this one rests")
+            assert second.is_closed()
+            assert first.ask("process")["clients"] == MOST_CLIENTS
+            first.send("never")
+            other.send("never")
+            wait_until(lambda: len_of_clients(path) == 0, "all to be busy")
 
 
 def len_of_clients(path: str) -> int:

@@ -65,6 +65,8 @@ class Session:
         """Whatever an answerer keeps for later requests of this connection."""
         self.dropped = 0
         """Number of events that streams of this connection lost, of those that have ended."""
+        self.heard_ns = server.now_ns()
+        """When the client has sent something, or has come."""
 
     # For answerers.
 
@@ -107,6 +109,12 @@ class Session:
     def held(self) -> int:
         """Number of bytes that wait for the rest of their frame."""
         return self._reader.held
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the client waits for nothing, and has nothing here that it could miss."""
+        is_busy = self._open or self._streams or self._out or self._has_frames
+        return not (is_busy or self._closers or self.held)
 
     @property
     def wants_to_read(self) -> bool:
@@ -176,6 +184,7 @@ class Session:
             if self._is_abandoned():
                 self._give_up()
             return
+        self.heard_ns = self.now_ns()
         self._reader.feed(data)
         self.handle_frames()
 
