@@ -19,7 +19,7 @@ from support.strategies import json_values
 KINDS = {"unknown", "invalid", "refused", "timeout", "ambiguous", "failed"}
 # They end the program, and take no argument that this one has not.
 HARMLESS = sorted(set(all_answers()) - {"stop"})
-RIGHT = {
+RIGHT: dict[str, list[Any]] = {
     "node": ["camera", "/app"],
     "name": ["camera"],
     "names": [["fps"]],

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from rosbase import ControlError
-from rosbase.control import clients, programs, socket_file
+from rosbase.control import clients, programs
 from rosbase.control.clients import MOST_CLIENTS
 from rosbase.control.gathering import gather
 from rosbase.control.programs import offered
@@ -261,7 +261,7 @@ def test_a_client_that_looks_while_a_program_starts_takes_nothing_from_it(
             looks.append(len(gather([("process", {})], on_silent=None)))
 
     os.makedirs(Path(own_socket()).parent, mode=0o700, exist_ok=True)
-    monkeypatch.setattr(socket_file.socket, "socket", Watched)
+    monkeypatch.setattr(socket, "socket", Watched)
     with offering() as path:
         assert len(looks) == 3
         with Asker(path) as client:

@@ -95,7 +95,7 @@ def test_each_message_is_throttled_on_its_own_and_reset_forgets_the_throttle(
 def test_levels_are_throttled_on_their_own_and_a_disabled_one_uses_up_nothing(
     records: pytest.LogCaptureFixture,
 ) -> None:
-    logger = RosbaseLogger("node", ManualClock())
+    logger = RosbaseLogger("throttled", ManualClock())
     logger.set_level("INFO")
     for level in ("DEBUG", "ERROR", "WARNING", "ERROR"):
         logger.log_throttle("motor", 10.0, level)
@@ -103,6 +103,7 @@ def test_levels_are_throttled_on_their_own_and_a_disabled_one_uses_up_nothing(
     logger.set_level("DEBUG")
     logger.log_throttle("motor", 10.0, "DEBUG")
     assert records.records[-1].levelname == "DEBUG"
+    logger.set_level(0)
 
 
 def test_a_throttle_takes_numbers_and_once_for_all_is_one(
@@ -114,11 +115,12 @@ def test_a_throttle_takes_numbers_and_once_for_all_is_one(
         logger.log_throttle("motor", math.inf)
         clock.advance(1e9)
     assert records.messages == ["motor"]
-    for say in (logger.log_throttle, logger.due):
+    says: list[Any] = [logger.log_throttle, logger.due]
+    for say in says:
         with pytest.raises(TypeError, match="seconds is a number, not '5'"):
-            say("other", "5")  # type: ignore[operator]  # the mistake
+            say("other", "5")
         with pytest.raises(ValueError, match="not NaN"):
-            say("other", math.nan)  # type: ignore[operator]  # one of two methods
+            say("other", math.nan)
     assert records.messages == ["motor"]
 
 
