@@ -13,7 +13,7 @@ import stat
 
 from rosbase.errors import ControlError
 
-__all__ = ["MOST_PATH", "folders_to_read", "make_folder", "socket_path", "sockets"]
+__all__ = ["MOST_PATH", "folders_to_read", "is_alive", "make_folder", "socket_path", "sockets"]
 
 MOST_PATH = 107
 """Maximum length of the path of a socket, in bytes (`sun_path` of unix(7))."""
@@ -77,6 +77,17 @@ def sockets() -> list[tuple[int, str]]:
     if not found:
         _require_no_fault()
     return sorted(found)
+
+
+def is_alive(pid: int) -> bool:
+    """Return whether there is a process of that pid."""
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        pass
+    return True
 
 
 def _possible_folders() -> list[str]:

@@ -7,8 +7,7 @@ import select
 import sys
 
 from rosbase.control.client import Connection, error_in
-from rosbase.control.folder import sockets
-from rosbase.control.socket_file import is_alive
+from rosbase.control.folder import is_alive, sockets
 from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 

@@ -4,10 +4,10 @@ import os
 import socket
 import stat
 
-from rosbase.control.folder import make_folder, socket_path
+from rosbase.control.folder import is_alive, make_folder, socket_path
 from rosbase.errors import ControlError
 
-__all__ = ["SocketFile", "is_alive", "refuses", "remove_strays"]
+__all__ = ["SocketFile", "refuses", "remove_strays"]
 
 _MODE = 0o600
 _BACKLOG = 128
@@ -107,17 +107,6 @@ def remove_strays(folder: str) -> None:
         # Those of the living are not disturbed. One that is gone may live in another container.
         if not is_alive(int(number)) and refuses(path):
             _remove_socket(path)
-
-
-def is_alive(pid: int) -> bool:
-    """Return whether there is a process of that pid."""
-    try:
-        os.kill(pid, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except OSError:
-        pass
-    return True
 
 
 def _remove_socket(path: str) -> None:
