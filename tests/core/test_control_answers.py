@@ -102,11 +102,14 @@ def test_a_process_tells_what_runs_in_it_and_what_it_uses() -> None:
         assert 0 < program.pop("up_ns") < 10**11
         assert program.pop("ticks") > 3
         assert program.pop("overruns") >= 0
+        # One may just run.
+        assert (program.pop("tick_ns") or 0) < 10**10
         assert program == {
             "name": "/app",
             "kind": "manager",
             "class": "BaseManager",
             "backend": "local",
+            "network": "",
             "phase": "running",
             "waiting_for": [],
             "state": "searching",
@@ -399,6 +402,30 @@ def test_parameters_are_set_on_the_main_loop_and_refused_with_reasons() -> None:
 # The lifecycle.
 
 
+@pytest.mark.parametrize("value", ["a\ud800", {"text": "a\udcff"}])
+@pytest.mark.parametrize("together", [True, False])
+def test_a_text_with_half_a_surrogate_is_refused(value: Any, together: bool) -> None:
+    def questions(client: Asker) -> None:
+        values = {"name": value}
+        found = client.ask("parameter.set", node="words", values=values, atomically=together)
+        result = found["results"]["name"]
+        assert not result["successful"]
+        assert "has half a surrogate" in result["reason"]
+        values = {"names": ["b", "\ud800"]}
+        found = client.ask("parameter.set", node="words", values=values, atomically=together)
+        assert not found["results"]["names"]["successful"]
+        kept = client.ask("parameter.get", node="words")["values"]
+        assert (kept["name"]["value"], kept["names"]["value"]) == ("on", ["a"])
+
+    class Words(BaseNode):
+        def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+            super().__init__(manager, **kwargs)
+            self.declare_parameter("name", "on")
+            self.declare_parameter("names", ["a"])
+
+    ask(questions, nodes_dict={"words": Words})
+
+
 def test_transitions_are_made_on_request_and_refused_with_the_reason() -> None:
     def change(client: Asker, transition: Any) -> tuple[Any, ...]:
         answer = client.answer("lifecycle.set", node="camera", transition=transition)
@@ -483,6 +510,36 @@ def test_while_the_loop_blocks_all_is_read_and_changes_time_out_and_are_never_ma
     camera.add_post_set_parameters_callback(lambda given: changes.extend(p.value for p in given))
     ask_while_running(manager, questions)
     assert changes == [25]
+
+
+@pytest.mark.parametrize("timing", ["normal", "precise"])
+def test_a_tick_that_hangs_is_told_with_its_age(timing: str) -> None:
+    manager = app(handlers_class=Blocking, timing=timing)
+    handlers: Any = manager.handlers
+
+    def questions(client: Asker) -> None:
+        assert handlers.is_blocked.wait(20)
+        ages = [told(client)["tick_ns"] for _ in range(2)]
+        ages.append(client.ask("statistics")["programs"][0]["tick_ns"])
+        assert 0 < ages[0] < ages[1] < ages[2] < 20 * 10**9
+        handlers.may_go_on.set()
+        wait_until(lambda: told(client)["tick_ns"] is None, "the end of the tick")
+
+    ask_while_running(manager, questions)
+    assert manager.loop_stats.tick_started_ns is None
+    assert manager.loop_stats.busy.count == manager.loop_stats.ticks
+
+
+def test_a_tick_that_has_failed_no_longer_runs() -> None:
+    class Failing(BaseHandlers):
+        def handle(self) -> None:
+            raise KeyError("lens")
+
+    manager = app(handlers_class=Failing)
+    with pytest.raises(KeyError):
+        manager.start_main_loop_timer()
+    assert manager.loop_stats.tick_started_ns is None
+    assert manager.loop_stats.ticks == 0
 
 
 def test_a_change_that_has_begun_says_so_when_its_time_is_up() -> None:

@@ -30,7 +30,7 @@ def places(short: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     temporary.mkdir()
     temporary.chmod(0o1777)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
-    monkeypatch.setenv("TMPDIR", str(temporary))
+    monkeypatch.setattr(folder, "_TEMPORARY", str(temporary))
     return runtime, temporary
 
 
@@ -97,8 +97,6 @@ def test_a_path_that_is_too_long_for_a_socket_does_not_count(
     long.mkdir(0o700)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(long))
     assert make_folder() == str(places[1] / f"rosbase-{UID}")
-    monkeypatch.setenv("TMPDIR", str(long))
-    assert folder._under_tmp() == f"/tmp/rosbase-{UID}"
 
 
 def test_the_longest_path_that_is_used_fits_into_a_socket(
@@ -169,9 +167,40 @@ def test_a_folder_that_cannot_be_made_is_an_error_of_one_line(
     places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("XDG_RUNTIME_DIR")
-    monkeypatch.setenv("TMPDIR", "/proc/no/such")
+    monkeypatch.setattr(folder, "_TEMPORARY", "/proc/no/such")
     with pytest.raises(ControlError, match="cannot be made: No such file"):
         make_folder()
+
+
+def test_programs_and_clients_with_different_temporary_folders_find_each_other(
+    places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    monkeypatch.setenv("TMPDIR", str(places[0]))
+    made = make_folder()
+    monkeypatch.delenv("TMPDIR")
+    assert made in folders_to_read()
+
+
+def test_a_folder_that_the_environment_names_is_the_only_one(
+    places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_folder()
+    own = places[0] / "own"
+    monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", f"{own}/")
+    assert make_folder() == str(own)
+    assert mode(own) == 0o700
+    assert folders_to_read() == [str(own)]
+    own.chmod(0o755)
+    with pytest.raises(ControlError, match=f"run `chmod 700 {own}`"):
+        make_folder()
+
+
+def test_a_relative_folder_in_the_environment_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", "run")
+    for ask in (make_folder, sockets):
+        with pytest.raises(ControlError, match="is an absolute path, not 'run'"):
+            ask()
 
 
 def test_clients_look_into_both_places(places: tuple[Path, Path]) -> None:
@@ -187,6 +216,22 @@ def test_clients_look_into_both_places(places: tuple[Path, Path]) -> None:
         (39, f"{paths[1]}/39.sock"),
         (40, f"{paths[0]}/40.sock"),
     ]
+
+
+def test_a_folder_with_wrong_rights_is_told_to_clients_unless_there_are_other_sockets(
+    places: tuple[Path, Path],
+) -> None:
+    wrong, right = places[0] / "rosbase", places[1] / f"rosbase-{UID}"
+    wrong.mkdir()
+    wrong.chmod(0o755)
+    (wrong / "7.sock").touch()
+    with pytest.raises(ControlError, match=f"others may read {wrong}: run `chmod 700") as caught:
+        sockets()
+    assert caught.value.kind == "refused"
+    # Otherwise anybody could end all commands of a user by a folder in /tmp.
+    right.mkdir(0o700)
+    (right / "8.sock").touch()
+    assert sockets() == [(8, f"{right}/8.sock")]
 
 
 def test_where_nothing_is_there_are_no_sockets(places: tuple[Path, Path]) -> None:

@@ -9,9 +9,12 @@ from rosbase.control.names import full_type, is_hidden, one_of, similar, unknown
 from rosbase.errors import ControlError
 
 
-def process(pid: int, backend: str | None, *children: int, kind: str = "manager") -> Any:
+def process(
+    pid: int, backend: str | None, *children: int, kind: str = "manager", network: str = ""
+) -> Any:
     program = {
         "backend": backend,
+        "network": network,
         "kind": kind,
         "children": [{"name": "c", "pid": child, "running": True} for child in children],
     }
@@ -38,6 +41,17 @@ def test_programs_on_local_are_alone_and_those_on_ros_are_joined() -> None:
         ("local", frozenset({1})),
         ("local", frozenset({2})),
         ("ros2", frozenset({3, 4})),
+    }
+
+
+def test_programs_in_two_ros_domains_are_not_joined() -> None:
+    processes = [process(pid, "ros2", network=str(domain)) for pid, domain in ((1, 0), (2, 7))]
+    one_without = process(3, "ros2")
+    del one_without["programs"][0]["network"]
+    assert grouped(*processes, process(4, "ros2", network="7"), one_without) == {
+        ("ros2", frozenset({1})),
+        ("ros2", frozenset({2, 4})),
+        ("ros2", frozenset({3})),
     }
 
 

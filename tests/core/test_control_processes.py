@@ -81,7 +81,7 @@ def folder() -> Path:
 @pytest.fixture(autouse=True)
 def alone(monkeypatch: pytest.MonkeyPatch, runtime_dir: str) -> None:
     """Keeps programs of the user out of the list of sockets, and removes what others left."""
-    monkeypatch.setenv("TMPDIR", runtime_dir)
+    monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", str(folder()))
     if folder().exists():
         shutil.rmtree(folder())
 

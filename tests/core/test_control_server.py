@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ import pytest
 from rosbase import ControlError
 from rosbase.control import clients, programs
 from rosbase.control.clients import MOST_CLIENTS
+from rosbase.control.gathering import gather
 from rosbase.control.programs import offered
 from rosbase.control.requests import Request
 from rosbase.control.session import Session
@@ -220,7 +222,8 @@ def gone_pid() -> int:
 
 def test_stale_sockets_of_others_are_removed_and_nothing_else_is() -> None:
     folder, pid = Path(own_socket()).parent, gone_pid()
-    names = [f"{pid}.sock", f"{pid}-1.sock"]
+    # The last one is of a process that was killed before it had its name.
+    names = [f"{pid}.sock", f"{pid}-1.sock", f"{pid}.0a1b2c"]
     for name in names:
         left_behind(str(folder / name))
     # A file of that name is nobody's socket, and this one's process lives.
@@ -235,6 +238,55 @@ def test_stale_sockets_of_others_are_removed_and_nothing_else_is() -> None:
         for name in [*kept, f"{os.getppid()}.sock"]:
             assert (folder / name).exists(), name
             (folder / name).unlink()
+
+
+def test_a_client_that_looks_while_a_program_starts_takes_nothing_from_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looks: list[int] = []
+
+    class Watched(socket.socket):
+        """A socket during whose making a client looks at every step."""
+
+        def bind(self, address: Any) -> None:
+            super().bind(address)
+            self.look()
+
+        def listen(self, backlog: int = 0, /) -> None:
+            self.look()
+            super().listen(backlog)
+            self.look()
+
+        def look(self) -> None:
+            looks.append(len(gather([("process", {})], on_silent=None)))
+
+    os.makedirs(Path(own_socket()).parent, mode=0o700, exist_ok=True)
+    monkeypatch.setattr(socket, "socket", Watched)
+    with offering() as path:
+        assert len(looks) == 3
+        with Asker(path) as client:
+            assert client.hello["pid"] == os.getpid()
+        assert os.listdir(Path(path).parent) == [Path(path).name]
+
+
+def test_a_start_that_fails_takes_its_unfinished_socket_along(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.rename", fail)
+    with offering() as path:
+        assert os.listdir(Path(path).parent) == []
+
+
+def test_a_client_removes_no_socket_of_a_living_process() -> None:
+    path = Path(own_socket()).parent / f"{os.getppid()}.sock"
+    left_behind(str(path))
+    assert gather([("process", {})]) == []
+    # A process of that pid could be taking the name at this moment.
+    assert path.exists()
+    path.unlink()
 
 
 def test_the_end_removes_its_own_socket_only() -> None:
@@ -348,7 +400,10 @@ def test_a_client_that_reads_no_answers_is_not_read_from(path: str) -> None:
     assert memory_bytes() - before < 50_000_000
 
 
-def test_a_thousand_connections_are_served_or_told_why_not(path: str) -> None:
+def test_a_thousand_connections_are_served_or_told_why_not(
+    path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clients, "_REST_NS", 10**12)
     connections, told = [], 0
     try:
         for _ in range(1_000):
@@ -358,11 +413,41 @@ def test_a_thousand_connections_are_served_or_told_why_not(path: str) -> None:
             connection.connect(path)
             frame = json.loads(connection.makefile("rb").readline())
             told += "error" in frame
+            last = frame
     finally:
         for connection in connections:
             connection.close()
     assert told == 1_000 - MOST_CLIENTS
+    assert last["error"] == f"64 clients are connected to process {os.getpid()}"
     wait_until(lambda: len_of_clients(path) == 1, "the end of the connections")
+
+
+def test_idle_connections_make_room_for_others_and_busy_ones_do_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(clients, "_REST_NS", 0)
+    program = FakeProgram(
+        fed=lambda *_: Fed(), never=lambda _, request: request.wait(timeout_ns=10**12)
+    )
+    with ExitStack() as stack, offering(program) as path:
+        busy = [stack.enter_context(Asker(path)) for _ in range(MOST_CLIENTS - 2)]
+        for number, client in enumerate(busy):
+            client.send("fed" if number % 2 else "never")
+            if number % 2:
+                client.read()
+        first, second = (stack.enter_context(Asker(path)) for _ in range(2))
+        assert first.ask("process")["clients"] == MOST_CLIENTS
+        # The second has been silent for longer.
+        with Asker(path) as other:
+            assert other.ask("stop") == {"programs": ["/fake"]}
+            frame = second.read()[0]
+            assert (frame["id"], frame["kind"]) == (None, "refused")
+            assert frame["error"].endswith("and this one rests")
+            assert second.is_closed()
+            assert first.ask("process")["clients"] == MOST_CLIENTS
+            first.send("never")
+            other.send("never")
+            wait_until(lambda: len_of_clients(path) == 0, "all to be busy")
 
 
 def len_of_clients(path: str) -> int:
@@ -563,6 +648,43 @@ def test_an_answer_may_come_later_from_any_thread_with_bytes() -> None:
         assert not asked[0].answer({"y": 7})
         assert not asked[0].fail(ControlError("late"))
         assert client.ask("process")
+
+
+def test_a_client_that_asks_nothing_more_still_gets_its_late_answers() -> None:
+    asked: list[Request] = []
+    stream = Fed()
+
+    def later(_: Session, request: Request) -> Any:
+        asked.append(request)
+        return request.wait()
+
+    program = FakeProgram(later=later, fed=lambda *_: stream)
+    with offering(program) as path, Asker(path) as client:
+        number = client.send("later")
+        client.ask("fed")
+        # As `nc -N` does at the end of its input.
+        client.socket.shutdown(socket.SHUT_WR)
+        wait_until(lambda: asked, "the request")
+        assert len_of_clients(path) == 2
+        stream.waiting.append(5)
+        stream.wake()
+        assert client.read()[0]["event"] == {"n": 5}
+        assert asked[0].answer({"y": 6})
+        assert client.read()[0] == {"id": number, "ok": {"y": 6}}
+        stream.end("done")
+        assert client.read()[0]["end"] == "done"
+        assert client.is_closed()
+
+
+def test_a_client_that_asks_nothing_more_and_leaves_ends_its_streams() -> None:
+    stream = Fed()
+    with offering(FakeProgram(fed=lambda *_: stream)) as path:
+        with Asker(path) as client:
+            client.ask("fed")
+            client.socket.shutdown(socket.SHUT_WR)
+            assert len_of_clients(path) == 2
+        wait_until(lambda: stream.is_closed, "the end of the stream")
+        assert len_of_clients(path) == 1
 
 
 def test_a_request_that_nobody_answers_times_out_when_it_says() -> None:

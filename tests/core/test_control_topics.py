@@ -11,10 +11,20 @@ from attrs import frozen
 
 from rosbase import BaseHandlers, BaseManager, BaseNode, LifecycleNode, LocalBackend
 from rosbase.contracts.backend import BackendOptions
+from rosbase.control.answers.backlog import MOST_BYTES
 from rosbase.control.answers.topic_count import TopicCount
 from rosbase.control.answers.topic_echo import TopicEcho
 from rosbase.local import Bus
-from rosbase.messages import DiagnosticArray, Header, Imu, String, Time, Vector3
+from rosbase.messages import (
+    DiagnosticArray,
+    DiagnosticStatus,
+    Header,
+    Image,
+    Imu,
+    String,
+    Time,
+    Vector3,
+)
 from rosbase.messages.fields import UInt8, message
 from rosbase.messages.std_srvs import SetBool, Trigger
 from rosbase.qos import DurabilityPolicy, QoSProfile
@@ -370,9 +380,9 @@ class FakeTopic:
 
     name = "/imu"
 
-    def __init__(self) -> None:
+    def __init__(self, kind: type = Imu) -> None:
         self.backend = LocalBackend(BackendOptions("fake"), Bus())
-        self.publisher: Any = self.backend.create_publisher(Imu, self.name, 10)
+        self.publisher: Any = self.backend.create_publisher(kind, self.name, 10)
 
 
 def test_while_messages_come_the_thread_of_the_socket_is_woken_by_none_of_them() -> None:
@@ -406,6 +416,60 @@ def test_while_messages_come_the_thread_of_the_socket_is_woken_by_none_of_them()
     topic.publisher.publish(Imu())
     assert len(wakes) == 2
     stream.close()
+    topic.backend.close()
+
+
+def heard_by(count: int, message: Any) -> tuple[list[TopicEcho], FakeTopic]:
+    """Some streams that nobody reads, after a hundred messages."""
+    topic, streams = FakeTopic(type(message)), []
+    for _ in range(count):
+        streams.append(TopicEcho(topic.backend.message_format(type(message)), 100, 0, lambda: 0))
+        streams[-1].open(topic)  # type: ignore[arg-type]  # a stand-in
+    for _ in range(100):
+        topic.publisher.publish(message)
+    return streams, topic
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Image(data=bytes(1_000_000)),
+        Image(data=memoryview(bytes(1_000_000))),
+        DiagnosticArray(status=(DiagnosticStatus(message="x" * 10_000),) * 100),
+    ],
+    ids=["bytes", "view", "nested"],
+)
+@pytest.mark.parametrize("count", [1, 4])
+def test_big_messages_that_nobody_reads_are_bounded_in_bytes_of_all_streams(
+    message: Any, count: int
+) -> None:
+    streams, topic = heard_by(count, message)
+    kept: list[int] = []
+    for stream in streams:
+        taken = [len(data) for _, data in iter(stream.take, None)]
+        assert stream.dropped == 100 - len(taken)
+        kept += taken
+        stream.close()
+    assert MOST_BYTES // 2 < sum(kept) <= MOST_BYTES
+    topic.backend.close()
+
+
+def test_a_message_larger_than_all_room_is_echoed_if_it_is_the_newest() -> None:
+    (stream,), topic = heard_by(1, Image(data=bytes(MOST_BYTES + 1)))
+    taken = stream.take()
+    assert taken is not None
+    assert len(taken[1]) > MOST_BYTES
+    assert stream.take() is None
+    assert stream.dropped == 99
+    stream.close()
+    topic.backend.close()
+
+
+def test_small_messages_are_bounded_by_their_number() -> None:
+    streams, topic = heard_by(2, Imu())
+    for stream in streams:
+        assert sum(1 for _ in iter(stream.take, None)) == 100
+        stream.close()
     topic.backend.close()
 
 

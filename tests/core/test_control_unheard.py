@@ -127,3 +127,8 @@ def test_a_program_is_told_once_of_each_topic_that_it_does_not_hear(
         "nothing comes on /position: no node of this program publishes it, and "
         f"app [{app.process.pid}], which does, is another program. "
     )
+
+
+def test_several_other_programs_are_named_in_the_plural() -> None:
+    text = unheard._warning("/fast", ["fast [1]", "fast [2]"])
+    assert "fast [1] and fast [2], which do, are other programs. The backend" in text

@@ -57,7 +57,7 @@ def running(folder: Path) -> Iterator[tuple[Up, Token]]:
 @pytest.fixture
 def own_sockets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", str(tmp_path / "rosbase"))
 
 
 @pytest.mark.timeout(120 * RUNS)

@@ -19,6 +19,7 @@ from rosbase import (
     log_to_file,
     make_logger,
 )
+from rosbase.logger.rotating_file import LogFile
 from rosbase.logger.sizes import byte_count
 from rosbase.testing import virtual_backend
 from rosbase.utils import CustomLogger
@@ -388,3 +389,16 @@ def test_each_level_takes_values_and_the_filters(
         "skipped 1",
         "skipped 2",
     ]
+
+
+def test_the_size_of_a_file_is_in_bytes(tmp_path: Path) -> None:
+    file = LogFile(str(tmp_path / "a.log"), 2_000, 3)
+    try:
+        for _ in range(6):
+            # Some 650 bytes in 250 characters.
+            file.emit(logging.LogRecord("a", logging.INFO, "", 0, "µ€" * 100 + "\udcff", (), None))
+    finally:
+        file.close()
+    sizes = [path.stat().st_size for path in tmp_path.iterdir()]
+    assert len(sizes) > 1
+    assert max(sizes) <= 2_000

@@ -1,5 +1,6 @@
 import copy
 import logging
+import math
 import subprocess
 import sys
 from typing import Any
@@ -89,6 +90,38 @@ def test_each_message_is_throttled_on_its_own_and_reset_forgets_the_throttle(
     logger.reset()
     logger.log_throttle("a", 5.0)
     assert records.messages == ["a", "b", "a"]
+
+
+def test_levels_are_throttled_on_their_own_and_a_disabled_one_uses_up_nothing(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    logger = RosbaseLogger("throttled", ManualClock())
+    logger.set_level("INFO")
+    for level in ("DEBUG", "ERROR", "WARNING", "ERROR"):
+        logger.log_throttle("motor", 10.0, level)
+    assert [record.levelname for record in records.records] == ["ERROR", "WARNING"]
+    logger.set_level("DEBUG")
+    logger.log_throttle("motor", 10.0, "DEBUG")
+    assert records.records[-1].levelname == "DEBUG"
+    logger.set_level(0)
+
+
+def test_a_throttle_takes_numbers_and_once_for_all_is_one(
+    records: pytest.LogCaptureFixture,
+) -> None:
+    clock = ManualClock()
+    logger = RosbaseLogger("node", clock)
+    for _ in range(3):
+        logger.log_throttle("motor", math.inf)
+        clock.advance(1e9)
+    assert records.messages == ["motor"]
+    says: list[Any] = [logger.log_throttle, logger.due]
+    for say in says:
+        with pytest.raises(TypeError, match="seconds is a number, not '5'"):
+            say("other", "5")
+        with pytest.raises(ValueError, match="not NaN"):
+            say("other", math.nan)
+    assert records.messages == ["motor"]
 
 
 class OwnLogger:
@@ -284,6 +317,7 @@ def test_what_the_application_does_not_let_through_is_not_heard(
 
 LISTENED = """
 import logging
+import math
 from rosbase.logger import make_logger
 class Listener(logging.Handler):
     def emit(self, record):

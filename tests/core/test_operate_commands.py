@@ -75,6 +75,43 @@ def test_ps_and_stop_work_on_a_program_that_waits_in_its_handshake(robots: Robot
     program.end()
 
 
+HANGS = """
+import signal
+import threading
+from rosbase import BaseHandlers, BaseManager
+
+may_go_on = threading.Event()
+signal.signal(signal.SIGUSR1, lambda *_: may_go_on.set())
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        if self.timestamp == 3:
+            may_go_on.wait()
+
+print("ready", flush=True)
+BaseManager("hangs", {}, {}, Handlers, node_freq_hz=50).start_main_loop_timer()
+"""
+
+
+def test_ps_and_stats_tell_that_a_loop_hangs(robots: Robots) -> None:
+    program = robots.start(HANGS)
+    wait_until(lambda: "running, in one tick for" in run("ps"), "the age of the tick")
+    assert "the current tick has taken" in run("stats")
+    program.process.send_signal(signal.SIGUSR1)
+    wait_until(lambda: "in one tick" not in run("ps"), "the next ticks")
+    assert "the current tick" not in run("stats")
+
+
+def test_a_folder_of_sockets_with_wrong_rights_is_an_error_with_its_cure(robots: Robots) -> None:
+    robots.start(APP)
+    folder = Path(os.environ["XDG_RUNTIME_DIR"], "rosbase")
+    folder.chmod(0o755)
+    for words in ("ps", "topic list", "param get app robot.speed"):
+        assert f"run `chmod 700 {folder}`" in run(*words.split(), status=1)
+    folder.chmod(0o700)
+    assert "app" in run("ps")
+
+
 def test_nothing_runs_is_no_failure(robots: Robots) -> None:
     assert run("ps").count("\n") == 1
     for words in ("node list", "param list", "lifecycle nodes", "service list", "log"):

@@ -12,6 +12,7 @@ from transforms3d.quaternions import quat2mat
 
 from rosbase.messages import Point, Quaternion, Vector3
 from rosbase.utils import (
+    VectorLPFilter,
     quat_rotate_inverse,
     quat_to_rpy,
     rpy_to_quat,
@@ -32,6 +33,36 @@ VECTORS = st.tuples(*[st.floats(-100.0, 100.0)] * 3)
 def same_rotation(one: Any, other: Any) -> bool:
     """Whether two unit quaternions turn in the same way: one may be the negative of the other."""
     return abs(abs(float(np.dot(one, other))) - 1.0) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1e308, 5e-324, 1.0])
+def test_a_quaternion_of_any_finite_size_is_a_rotation(size: float) -> None:
+    quarter = (math.pi / 2, 0.0, math.pi / 2)
+    assert quat_to_rpy([size] * 4) == pytest.approx(quarter)
+    assert np.allclose(quat_to_rpy(np.full((2, 4), size)), quarter)
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf])
+@pytest.mark.parametrize("place", range(4))
+def test_a_quaternion_with_a_number_that_is_none_is_refused(number: float, place: int) -> None:
+    quat = [1.0] * 4
+    quat[place] = number
+    for one in (quat, np.array([quat])):
+        with pytest.raises(ValueError, match="a quaternion is finite"):
+            quat_to_rpy(one)
+
+
+@pytest.mark.parametrize("text", ["1000", b"1000"])
+def test_a_text_is_no_vector(text: Any) -> None:
+    for read in (quat_to_rpy, VectorLPFilter(0.1, 1.0, 4).update):
+        with pytest.raises(TypeError, match="not the text"):
+            read(text)
+
+
+def test_complex_numbers_are_refused() -> None:
+    for read in (warp2pi, quat_to_rpy, VectorLPFilter(0.1, 1.0, 4).update):
+        with pytest.raises(TypeError, match="not complex ones"):
+            read(np.array([1j, 0.0, 0.0, 0.0]))
 
 
 @given(RPY)

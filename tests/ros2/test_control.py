@@ -1,5 +1,6 @@
 """A control socket of a program on ROS 2 answers as rclpy does, and as on `local`."""
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -201,6 +202,7 @@ def test_the_process_and_its_nodes_are_told_as_on_local() -> None:
     def questions(client: Asker) -> None:
         (program,) = client.ask("process")["programs"]
         assert (program["backend"], program["name"]) == ("ros2", "/app")
+        assert program["network"] == os.environ["ROS_DOMAIN_ID"]
         assert program["nodes"] == ["/app", "/camera"]
         listed = client.ask("node.list")["nodes"]
         assert [(one["name"], one["key"]) for one in listed] == [

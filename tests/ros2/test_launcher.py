@@ -34,7 +34,7 @@ def test_a_program_waits_for_the_lifecycle_nodes_of_another_on_ros(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", str(tmp_path / "rosbase"))
     (tmp_path / "robot.py").write_text(ROBOT)
     with up(tmp_path, FILE) as (launcher, token):
         token.wait_for_sleepers(1)

@@ -120,7 +120,7 @@ def robots_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robots]
     with tempfile.TemporaryDirectory(prefix="rosbase-") as sockets, ExitStack() as stack:
         # The path of a socket is short, and that of a test's folder may be long.
         monkeypatch.setenv("XDG_RUNTIME_DIR", sockets)
-        monkeypatch.setenv("TMPDIR", sockets)
+        monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", f"{sockets}/rosbase")
         yield Robots(folder, stack)
 
 

@@ -63,6 +63,7 @@ class Ros2Backend(RosNode, Backend):
         process.find_log_file()
         self._others: list[RosNode] = []
         try:
+            self.network = str(context.get_domain_id())
             self.set_up(process, node, self._end_with_context)
             with arguments.for_rcl() as taken:
                 self._host = Host(self._logger.info, without_node_name(taken))

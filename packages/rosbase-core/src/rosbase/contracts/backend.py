@@ -5,11 +5,11 @@ Must implement: `create_publisher`, `create_subscription`, `destroy_publisher`,
 `parameter_names`, `describe_parameter`, `add_on_set_parameters_callback`,
 `add_post_set_parameters_callback`, `close`.
 
-May implement, if the backend reaches beyond this process: `delivers_in_process`, `log_handler`,
-`log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`, `expose_lifecycle`,
-`prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`, `create_service`,
-`create_client`, `destroy_service`, `destroy_client`, `add_tap`, `kept_messages`, `graph`,
-`message_format`, `find_type`.
+May implement, if the backend reaches beyond this process: `delivers_in_process`, `network`,
+`log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`,
+`expose_lifecycle`, `prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`,
+`create_service`, `create_client`, `destroy_service`, `destroy_client`, `add_tap`,
+`kept_messages`, `graph`, `message_format`, `find_type`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
@@ -104,6 +104,12 @@ class Backend(NodeConnection):
     """Whether messages reach this process's own subscriptions without leaving it.
 
     Listening costs next to nothing then.
+    """
+
+    network = ""
+    """Part of the middleware that programs share, such as the number of a ROS domain.
+
+    Programs of one backend hear each other only if they are in the same one.
     """
 
     def __init__(self, clock: Clock, node_name: str) -> None:

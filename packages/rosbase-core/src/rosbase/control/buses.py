@@ -1,6 +1,7 @@
 """Which programs hear each other. Pure.
 
-The backend `local` joins the nodes of one program and its child processes; `ros2` joins all.
+The backend `local` joins the nodes of one program and its child processes; `ros2` joins all that
+are in the same domain.
 """
 
 from __future__ import annotations
@@ -36,13 +37,15 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
         for child in program["children"]
         if child["pid"] in known
     }
-    groups: dict[tuple[str, int], set[int]] = {}
+    groups: dict[tuple[str, str, int], set[int]] = {}
     for pid, process in known.items():
-        names = [program["backend"] for program in process["programs"] if program["backend"]]
-        backend = names[0] if names else "local"
+        joined = [program for program in process["programs"] if program["backend"]]
+        backend = joined[0]["backend"] if joined else "local"
+        # Programs of an earlier version do not tell it.
+        network = joined[0].get("network", "") if joined else ""
         root = _root(pid, parent) if backend == "local" else 0
-        groups.setdefault((backend, root), set()).add(pid)
-    return [Bus(backend, pids) for (backend, _), pids in sorted(groups.items())]
+        groups.setdefault((backend, network, root), set()).add(pid)
+    return [Bus(backend, pids) for (backend, _, _), pids in sorted(groups.items())]
 
 
 def _root(pid: int, parent: Mapping[int, int]) -> int:

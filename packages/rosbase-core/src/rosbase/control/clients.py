@@ -28,7 +28,10 @@ __all__ = ["MOST_CLIENTS", "PROTOCOL", "Clients", "may_connect"]
 PROTOCOL = 1
 """Version of the protocol."""
 MOST_CLIENTS = 64
-"""Maximum number of connections; further ones are closed with an error."""
+"""Maximum number of connections; beyond it, idle ones make room, or further ones are refused."""
+
+# So long a client may take from one request to the next, whoever else comes.
+_REST_NS = 2_000_000_000
 
 # Of requests whose payloads have not come completely, of all connections together.
 _MOST_HELD = 268_435_456
@@ -62,8 +65,8 @@ class Clients:
         session = Session(self, self._server, connection)
         if not may_connect(connection):
             refusal = "this socket belongs to another user"
-        elif len(self._sessions) >= MOST_CLIENTS:
-            refusal = f"{MOST_CLIENTS} clients are connected"
+        elif len(self._sessions) >= MOST_CLIENTS and not self._make_room():
+            refusal = f"{MOST_CLIENTS} clients are connected to process {os.getpid()}"
         else:
             self._sessions[session] = None
             hello = {"rosbase": rosbase_version(), "protocol": PROTOCOL, "pid": os.getpid()}
@@ -155,6 +158,22 @@ class Clients:
         """Return the number of clients, and of events that clients have lost."""
         lost = sum(session.lost for session in self._sessions)
         return {"clients": len(self._sessions), "dropped": self._dropped + lost}
+
+    def _make_room(self) -> bool:
+        """Close the connection that has been idle for longest; return False if none is idle.
+
+        Otherwise a client that forgets its connections would keep others from the program, even
+        from stopping it.
+        """
+        idle = [session for session in self._sessions if session.is_idle]
+        longest = min(idle, key=lambda session: session.heard_ns, default=None)
+        if longest is None or self._server.now_ns() - longest.heard_ns < _REST_NS:
+            return False
+        text = f"{MOST_CLIENTS} clients are connected to process {os.getpid()}, and this one rests"
+        longest.refuse(ControlError(text, "refused"))
+        longest.flush()
+        self._close(longest)
+        return True
 
     def _look_after(self, session: Session, now_ns: int, *, is_due: bool) -> None:
         due_ns = session.due_ns

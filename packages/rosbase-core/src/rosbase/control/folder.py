@@ -1,7 +1,9 @@
 """Where the sockets of this user's programs are.
 
-A program makes its socket in `$XDG_RUNTIME_DIR/rosbase`, or in `rosbase-<uid>` in the temporary
-directory. Clients look in both, because a service or a cron job has no XDG_RUNTIME_DIR.
+A program makes its socket in `$XDG_RUNTIME_DIR/rosbase`, or in `/tmp/rosbase-<uid>`. Clients look
+in both, because a service or a cron job has no XDG_RUNTIME_DIR. TMPDIR does not count: a program
+and a client with two different ones could not find each other. ROSBASE_CONTROL_FOLDER takes the
+place of both folders.
 
 Only the standard library's `os` and `stat` are imported: commands start with this.
 """
@@ -11,12 +13,14 @@ import stat
 
 from rosbase.errors import ControlError
 
-__all__ = ["MOST_PATH", "folders_to_read", "make_folder", "socket_path", "sockets"]
+__all__ = ["MOST_PATH", "folders_to_read", "is_alive", "make_folder", "socket_path", "sockets"]
 
 MOST_PATH = 107
 """Maximum length of the path of a socket, in bytes (`sun_path` of unix(7))."""
 # The longest name: a pid has up to 10 digits.
 _LONGEST_NAME = "/1234567890-9.sock"
+_VARIABLE = "ROSBASE_CONTROL_FOLDER"
+_TEMPORARY = "/tmp"
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
@@ -26,7 +30,7 @@ def make_folder() -> str:
     Raises:
         ControlError: It cannot be made, or is not this user's alone. The message says what to do.
     """
-    path = _under_runtime_dir() or _under_tmp()
+    path = _own_folder() or _under_runtime_dir() or _under_tmp()
     try:
         os.mkdir(path, 0o700)
     except FileExistsError:
@@ -44,14 +48,21 @@ def socket_path(folder: str, pid: int, number: int = 0) -> str:
 
 
 def folders_to_read() -> list[str]:
-    """Return the folders that exist and are this user's alone, for a client to look into."""
-    runtime, uid = os.environ.get("XDG_RUNTIME_DIR"), os.geteuid()
-    paths = [f"{runtime or f'/run/user/{uid}'}/rosbase", _under_tmp()]
-    return [path for path in dict.fromkeys(paths) if not _fault(path)]
+    """Return the folders that exist and are this user's alone, for a client to look into.
+
+    Raises:
+        ControlError: The environment names one by a relative path.
+    """
+    return [path for path in _possible_folders() if not _fault(path)]
 
 
 def sockets() -> list[tuple[int, str]]:
-    """Return the pid and the path of each socket, by pid. Some may be stale."""
+    """Return the pid and the path of each socket, by pid. Some may be stale.
+
+    Raises:
+        ControlError: There is none, but a folder that is not this user's alone, so that sockets in
+            it do not count. The message says what to do.
+    """
     found = []
     for folder in folders_to_read():
         try:
@@ -63,7 +74,40 @@ def sockets() -> list[tuple[int, str]]:
             pid, dot, ending = name.partition(".")
             if dot and ending == "sock" and (number := pid.partition("-")[0]).isdecimal():
                 found.append((int(number), f"{folder}/{name}"))
+    if not found:
+        _require_no_fault()
     return sorted(found)
+
+
+def is_alive(pid: int) -> bool:
+    """Return whether there is a process of that pid."""
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _possible_folders() -> list[str]:
+    if own := _own_folder():
+        return [own]
+    runtime, uid = os.environ.get("XDG_RUNTIME_DIR"), os.geteuid()
+    return list(dict.fromkeys([f"{runtime or f'/run/user/{uid}'}/rosbase", _under_tmp()]))
+
+
+def _require_no_fault() -> None:
+    for path in _possible_folders():
+        if os.path.lexists(path) and (fault := _fault(path)):
+            raise ControlError(fault, "refused")
+
+
+def _own_folder() -> str:
+    path = os.environ.get(_VARIABLE, "").rstrip("/")
+    if path and not os.path.isabs(path):
+        raise ControlError(f"{_VARIABLE} is an absolute path, not {path!a}", "invalid")
+    return path
 
 
 def _under_runtime_dir() -> str:
@@ -82,11 +126,7 @@ def _under_runtime_dir() -> str:
 
 
 def _under_tmp() -> str:
-    temporary, name = os.environ.get("TMPDIR", "").rstrip("/"), f"rosbase-{os.geteuid()}"
-    path = f"{temporary}/{name}"
-    if os.path.isabs(temporary) and len(os.fsencode(path + _LONGEST_NAME)) <= MOST_PATH:
-        return path
-    return f"/tmp/{name}"
+    return f"{_TEMPORARY}/rosbase-{os.geteuid()}"
 
 
 def _fault(path: str) -> str:

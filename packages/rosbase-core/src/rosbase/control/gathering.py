@@ -7,7 +7,7 @@ import select
 import sys
 
 from rosbase.control.client import Connection, error_in
-from rosbase.control.folder import sockets
+from rosbase.control.folder import is_alive, sockets
 from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 
@@ -139,7 +139,8 @@ def _open(pid: int, path: str, asks: Sequence[Ask], timeout_s: float) -> Connect
     except BlockingIOError:
         raise ControlError(f"process {pid} takes no connections", "timeout") from None
     except OSError as error:
-        _remove_stale(path, error)
+        if isinstance(error, ConnectionRefusedError):
+            _remove_stale(pid, path)
         return None
     try:
         for ask, arguments in asks:
@@ -151,12 +152,13 @@ def _open(pid: int, path: str, asks: Sequence[Ask], timeout_s: float) -> Connect
     return connection
 
 
-def _remove_stale(path: str, error: OSError) -> None:
+def _remove_stale(pid: int, path: str) -> None:
     """Remove the socket of a process that has ended without removing it.
 
-    A program listens before its socket gets this name, so one that refuses has no owner.
+    A program listens before its socket gets this name, so one that refuses has no owner. But a
+    new process of that pid may take the name at this moment.
     """
-    if isinstance(error, ConnectionRefusedError):
+    if not is_alive(pid):
         try:
             os.unlink(path)
         except OSError:

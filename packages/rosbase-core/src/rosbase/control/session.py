@@ -1,5 +1,6 @@
 """One connection of a client: bytes in, answers and events out, with bounded memory."""
 
+import select
 import selectors
 import socket
 from collections import deque
@@ -31,6 +32,8 @@ _MOST_WAITING = 1_048_576
 # A client that has so much waiting is not coming back for it.
 _MOST_OUT = 268_435_456
 _MOST_ID = 2**53
+# How often a client is looked for that asks nothing more, and cannot be heard to leave.
+_LOOK_NS = 1_000_000_000
 # For a client whose garbage is thrown away after the connection was given up.
 _MOST_DISCARDED = 16
 
@@ -54,11 +57,16 @@ class Session:
         self._closers: list[Callable[[], object]] = []
         self._is_closed = False
         self._is_ending = False
+        # A client may say that it asks nothing more, and still read.
+        self._has_read_all = False
+        self._look_ns = 0
         self._watched = 0
         self.kept: dict[str, Any] = {}
         """Whatever an answerer keeps for later requests of this connection."""
         self.dropped = 0
         """Number of events that streams of this connection lost, of those that have ended."""
+        self.heard_ns = server.now_ns()
+        """When the client has sent something, or has come."""
 
     # For answerers.
 
@@ -103,8 +111,18 @@ class Session:
         return self._reader.held
 
     @property
+    def is_idle(self) -> bool:
+        """Whether the client waits for nothing, and has nothing here that it could miss."""
+        is_busy = self._open or self._streams or self._out or self._has_frames
+        return not (is_busy or self._closers or self.held)
+
+    @property
     def wants_to_read(self) -> bool:
         """Whether requests are read: not while the client leaves answers unread."""
+        return self._may_handle and not self._has_read_all
+
+    @property
+    def _may_handle(self) -> bool:
         return self._out_bytes < _MOST_WAITING and not self._is_ending
 
     @property
@@ -115,7 +133,8 @@ class Session:
     @property
     def is_over(self) -> bool:
         """Whether the connection is to be closed."""
-        return self._is_ending and not self._out
+        has_answered = self._has_read_all and not (self._open or self._streams or self._has_frames)
+        return (self._is_ending or has_answered) and not self._out
 
     @property
     def due_ns(self) -> int | None:
@@ -123,6 +142,8 @@ class Session:
         dues = [request.deadline_ns for request in self._open.values()]
         if self.has_room:
             dues += [stream.due_ns for stream in self._streams.values()]
+        if self._has_read_all:
+            dues.append(self._look_ns)
         return min((due_ns for due_ns in dues if due_ns is not None), default=None)
 
     def watch(self, selector: selectors.BaseSelector) -> None:
@@ -159,18 +180,18 @@ class Session:
         except OSError:
             data = b""
         if not data:
-            # Nobody is there to read what still waits.
-            self._out.clear()
-            self._out_bytes = 0
-            self._is_ending = True
+            self._has_read_all = True
+            if self._is_abandoned():
+                self._give_up()
             return
+        self.heard_ns = self.now_ns()
         self._reader.feed(data)
         self.handle_frames()
 
     def handle_frames(self) -> None:
         """Handle some of the frames that have come; the rest has its turn later."""
         for _ in range(_MOST_REQUESTS):
-            if not self.wants_to_read:
+            if not self._may_handle:
                 break
             try:
                 frame = self._reader.next()
@@ -186,7 +207,7 @@ class Session:
     @property
     def has_frames(self) -> bool:
         """Whether frames wait that can be handled now."""
-        return self._has_frames and self.wants_to_read
+        return self._has_frames and self._may_handle
 
     def refuse(self, error: ControlError) -> None:
         """Send an error that belongs to no request, and end the connection."""
@@ -213,7 +234,11 @@ class Session:
         return has_more
 
     def time_out(self, now_ns: int) -> None:
-        """Fail the requests whose time is up."""
+        """Fail the requests whose time is up, and look whether the client is still there."""
+        if self._has_read_all and now_ns >= self._look_ns:
+            self._look_ns = now_ns + _LOOK_NS
+            if self._is_abandoned():
+                self._give_up()
         for request in list(self._open.values()):
             if request.deadline_ns is not None and request.deadline_ns <= now_ns:
                 request.time_out()
@@ -227,9 +252,7 @@ class Session:
             except (BlockingIOError, InterruptedError):
                 return
             except OSError:
-                self._out.clear()
-                self._out_bytes = 0
-                self._is_ending = True
+                self._give_up()
                 return
             self._out_bytes -= sent
             if sent == len(chunk):
@@ -262,6 +285,18 @@ class Session:
     def forget(self) -> None:
         """Close the descriptor in a forked child; the connection is the parent's."""
         self._connection.close()
+
+    def _is_abandoned(self) -> bool:
+        """Return whether the client has closed the connection, not only its own direction."""
+        poll = select.poll()
+        poll.register(self._connection, 0)
+        return bool(poll.poll(0))
+
+    def _give_up(self) -> None:
+        """End the connection; nobody is there to read what still waits."""
+        self._out.clear()
+        self._out_bytes = 0
+        self._is_ending = True
 
     # How a frame is handled.
 
@@ -309,7 +344,11 @@ class Session:
         self._send({"id": number, **error_frame(error)})
 
     def _cancel(self, request: Request) -> None:
-        number = request.arguments.get("of")
+        try:
+            number = request.whole("of", least=-_MOST_ID)
+        except ControlError as error:
+            self._reject(request.id, error)
+            return
         if number in self._streams:
             self._send({"id": request.id, "ok": {}})
             self._end_stream(number, "cancelled")
@@ -386,9 +425,7 @@ class Session:
         self._out.append(data)
         self._out_bytes += len(data)
         if self._out_bytes > _MOST_OUT:
-            self._out.clear()
-            self._out_bytes = 0
-            self._is_ending = True
+            self._give_up()
 
     def _join(self) -> bytes | memoryview:
         """Join the first pieces, so that many small ones are sent at once."""

@@ -41,11 +41,13 @@ class Program(TypedDict):
     kind: str
     phase: str
     backend: str
+    network: str
     state: Any
     waiting_for: list[str]
     rate_hz: float | None
     ticks: int
     overruns: int
+    tick_ns: int | None
     up_ns: int
     nodes: list[str]
     children: list[Child]
@@ -222,6 +224,7 @@ class Statistics(TypedDict, total=False):
     busy: dict[str, Any]
     ticks: int
     overruns: int
+    tick_ns: int | None
     rate_hz: float | None
 
 

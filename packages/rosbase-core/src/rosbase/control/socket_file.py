@@ -4,7 +4,7 @@ import os
 import socket
 import stat
 
-from rosbase.control.folder import make_folder, socket_path
+from rosbase.control.folder import is_alive, make_folder, socket_path
 from rosbase.errors import ControlError
 
 __all__ = ["SocketFile", "refuses", "remove_strays"]
@@ -33,10 +33,7 @@ class SocketFile:
             self.listener.settimeout(0)
             # Linux gives the file the mode of the socket, so that it has no other one first.
             os.fchmod(self.listener.fileno(), _MODE)
-            self.listener.bind(self._path)
-            os.chmod(self._path, _MODE)
-            self._inode = os.lstat(self._path).st_ino
-            self.listener.listen(_BACKLOG)
+            self._inode = self._listen()
         except BaseException:
             self.listener.close()
             raise
@@ -49,6 +46,25 @@ class SocketFile:
         except OSError:
             # Somebody has cleaned up.
             pass
+
+    def _listen(self) -> int:
+        """Listen, and only then take the name; return the inode.
+
+        A socket that does not listen yet refuses clients, which take it for one that was left
+        behind, and remove it.
+        """
+        # Not a name that clients look for, and no longer than the longest of those.
+        new = f"{self.folder}/{os.getpid()}.{os.urandom(3).hex()}"
+        self.listener.bind(new)
+        try:
+            os.chmod(new, _MODE)
+            self.listener.listen(_BACKLOG)
+            inode = os.lstat(new).st_ino
+            os.rename(new, self._path)
+        except BaseException:
+            _remove_socket(new)
+            raise
+        return inode
 
     def _choose_path(self) -> str:
         pid = os.getpid()
@@ -68,7 +84,7 @@ class SocketFile:
 
 
 def refuses(path: str) -> bool:
-    """Return whether nobody listens at a socket. That of a living process may begin to."""
+    """Return whether nobody listens at a socket."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
         probe.settimeout(0)
         try:
@@ -82,26 +98,15 @@ def refuses(path: str) -> bool:
 
 
 def remove_strays(folder: str) -> None:
-    """Remove the sockets of processes that are gone."""
+    """Remove the sockets of processes that are gone, also those without their last name."""
     for name in os.listdir(folder)[:_MOST_STRAYS]:
-        pid, dot, ending = name.partition(".")
-        number = pid.partition("-")[0]
-        if not (dot and ending == "sock" and number.isdecimal()):
+        number = name.partition(".")[0].partition("-")[0]
+        if not ("." in name and number.isdecimal()):
             continue
         path = f"{folder}/{name}"
         # Those of the living are not disturbed. One that is gone may live in another container.
-        if not _is_alive(int(number)) and refuses(path):
+        if not is_alive(int(number)) and refuses(path):
             _remove_socket(path)
-
-
-def _is_alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except OSError:
-        pass
-    return True
 
 
 def _remove_socket(path: str) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 
 from rosbase.control.folder import sockets
 from rosbase.control.programs import Program, running_programs
-from rosbase.errors import BackendError
+from rosbase.errors import BackendError, ControlError
 from rosbase.local import LocalBackend
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.signal_masks import background_thread
@@ -53,7 +53,7 @@ class Unheard:
             for topic in _without_publisher(program)
             if topic not in self._told
         }
-        if topics and not self._is_asking and any(pid != os.getpid() for pid, _ in sockets()):
+        if topics and not self._is_asking and _others_run():
             self._is_asking = True
             background_thread(lambda: self._ask(topics), "unheard topics").start()
 
@@ -80,6 +80,14 @@ class Unheard:
             self._is_asking = False
 
 
+def _others_run() -> bool:
+    try:
+        return any(pid != os.getpid() for pid, _ in sockets())
+    except ControlError:
+        # Somebody has changed the folder since this program has started.
+        return False
+
+
 def _without_publisher(program: Program) -> list[str]:
     """Return the topics that a program on `local` subscribes to and does not publish."""
     if not isinstance(program.backend, LocalBackend):
@@ -94,8 +102,9 @@ def _without_publisher(program: Program) -> list[str]:
 
 
 def _warning(topic: str, names: list[str]) -> str:
+    others = "which does, is another program" if len(names) == 1 else "which do, are other programs"
     return (
         f"nothing comes on {topic}: no node of this program publishes it, and "
-        f"{' and '.join(names)}, which does, is another program. The backend local joins the "
+        f"{' and '.join(names)}, {others}. The backend local joins the "
         "nodes of one program; to join programs, run them with ROSBASE_BACKEND=ros2"
     )

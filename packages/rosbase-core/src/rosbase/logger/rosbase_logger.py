@@ -2,6 +2,7 @@
 
 import copy
 import logging
+import math
 import threading
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -70,7 +71,7 @@ class RosbaseLogger:
         self._have_listen(listener, has_console=has_console)
         self._filters = Filters()
         self._said: dict[int, None] = {}
-        self._next_ns: dict[int, int] = {}
+        self._next_ns: dict[int, float] = {}
         self._lock = threading.Lock()
 
     def debug(self, message: object, *values: object, **options: "Unpack[LogOptions]") -> None:
@@ -125,20 +126,31 @@ class RosbaseLogger:
             self._log(number, message)
 
     def log_throttle(self, message: str, seconds: float, level: str | int = "INFO") -> None:
-        """Log the same message at most once in a number of seconds, from any place.
+        """Log the same message at the same level at most once in a number of seconds.
+
+        It counts from any place. `math.inf` seconds are once for all. A message of a disabled
+        level does not count.
 
         Raises:
-            ValueError: There is no such level.
+            TypeError: `seconds` is no number.
+            ValueError: There is no such level, or `seconds` is NaN.
         """
-        number = message_level(level)
-        if self.due(message, seconds):
+        number, pause_ns = message_level(level), _nanoseconds(seconds)
+        if self.is_enabled_for(number) and self._is_due((number, message), pause_ns):
             self._log(number, message)
 
     def due(self, key: str, seconds: float) -> bool:
         """Return whether `key` may be logged again, at most once in `seconds`.
 
         Use it for messages that change with every call, and should be throttled together.
+
+        Raises:
+            TypeError: `seconds` is no number.
+            ValueError: `seconds` is NaN.
         """
+        return self._is_due(key, _nanoseconds(seconds))
+
+    def _is_due(self, key: object, pause_ns: float) -> bool:
         now_ns, known = self._clock.monotonic_ns(), hash(key)
         with self._lock:
             if now_ns < self._next_ns.get(known, now_ns):
@@ -146,7 +158,7 @@ class RosbaseLogger:
             if len(self._next_ns) >= _MANY_KEYS:
                 self._next_ns = {k: due for k, due in self._next_ns.items() if due > now_ns}
             make_room(self._next_ns)
-            self._next_ns[known] = now_ns + int(seconds * _NS_PER_S)
+            self._next_ns[known] = now_ns + pause_ns
             return True
 
     def reset(self) -> None:
@@ -302,3 +314,12 @@ class RosbaseLogger:
             make_room(self._said)
             self._said[known] = None
             return True
+
+
+def _nanoseconds(seconds: float) -> float:
+    if isinstance(seconds, (str, bytes)):
+        raise TypeError(f"seconds is a number, not {seconds!r}")
+    pause_s = float(seconds)
+    if math.isnan(pause_s):
+        raise ValueError("seconds is a number, not NaN")
+    return int(pause_s * _NS_PER_S) if math.isfinite(pause_s) else pause_s

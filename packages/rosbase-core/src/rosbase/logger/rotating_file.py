@@ -71,7 +71,7 @@ class LogFile(RotatingFileHandler):
         # That of `logging` formats each record twice, and asks the system more often.
         try:
             line = self.format(record) + self.terminator
-            self._stream_with_room(len(line)).write(line)
+            self._stream_with_room(self._bytes_of(line)).write(line)
             self.flush()
         except Exception:
             self.handleError(record)
@@ -104,6 +104,9 @@ class LogFile(RotatingFileHandler):
         if self.stream is None:
             self.stream = self._open()
         return self.stream
+
+    def _bytes_of(self, line: str) -> int:
+        return len(line) if line.isascii() else len(line.encode("utf-8", "backslashreplace"))
 
     def _status(self) -> os.stat_result | None:
         """Return the status of the file; None if it is not open in this process, or was moved."""

@@ -383,6 +383,7 @@ class BaseManager(Constructed):
                 self._look_after,
             )
         except BaseException as error:
+            self.loop_stats.end_tick()
             failure = self._shut_down(processes, stop)
             if not is_wish(error, stop):
                 raise

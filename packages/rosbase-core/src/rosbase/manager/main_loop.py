@@ -58,10 +58,10 @@ def run_main_loop(
                 executor.spin_until(deadline_ns, stopping)
                 if stopping():
                     return
-            start_ns = monotonic_ns()
+            # Noted before the tick, so that others can tell how long it has taken so far.
+            notes.append(monotonic_ns())
             tick()
             end_ns = monotonic_ns()
-            notes.append(start_ns)
             notes.append(end_ns)
             deadline_ns += period_ns
             left_ns = deadline_ns - end_ns

@@ -38,9 +38,9 @@ def run_precise_loop(
             early.note(deadline_ns - start_ns)
             while start_ns < deadline_ns:
                 start_ns = monotonic_ns()
+            note(start_ns)
             tick()
             end_ns = monotonic_ns()
-            note(start_ns)
             note(end_ns)
             deadline_ns = rate.advance(end_ns)
             stats.overruns = rate.skipped

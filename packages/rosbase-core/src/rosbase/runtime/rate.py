@@ -127,6 +127,20 @@ class LoopStats:
             return self._digested + len(self.notes) // 2
 
     @property
+    def tick_started_ns(self) -> int | None:
+        """Start of the tick that runs now, on the monotonic clock; None between two ticks."""
+        with self._lock:
+            # The loop may append meanwhile.
+            count = len(self.notes)
+            return self.notes[count - 1] if count % 2 else None
+
+    def end_tick(self) -> None:
+        """Forget the start of a tick that an exception has ended."""
+        with self._lock:
+            if len(self.notes) % 2:
+                self.notes.pop()
+
+    @property
     def period(self) -> Histogram:
         """Nanoseconds from the start of one tick to the start of the next."""
         self.digest()

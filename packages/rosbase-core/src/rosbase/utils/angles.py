@@ -3,7 +3,7 @@
 import math
 from typing import Any, overload
 
-from rosbase.utils.vectors import Maths, is_array, maths_for
+from rosbase.utils.vectors import Maths, floats_of, is_array, maths_for
 
 __all__ = ["warp2pi", "within_a_turn"]
 
@@ -27,11 +27,12 @@ def warp2pi(angle: Any) -> Any:
 
     Raises:
         ValueError: A number is infinite or not a number, so that it is no angle.
+        TypeError: It is complex.
     """
     maths = maths_for(angle)
     if not maths.are_finite(angle):
         raise ValueError(f"an angle is finite, not {angle}")
-    return within_a_turn(angle.astype(float) if is_array(angle) else float(angle), maths)
+    return within_a_turn(floats_of(angle) if is_array(angle) else float(angle), maths)
 
 
 def within_a_turn(angle: Any, maths: Maths) -> Any:

@@ -4,7 +4,7 @@ import math
 import operator
 from typing import Any
 
-from rosbase.utils.vectors import is_array, maths_for
+from rosbase.utils.vectors import floats_of, is_array, maths_for
 
 __all__ = ["VectorLPFilter"]
 
@@ -48,6 +48,7 @@ class VectorLPFilter:
         Raises:
             ValueError: The vector has another number of numbers, or one is not finite, which the
                 filter could never forget; or the period is not positive.
+            TypeError: The vector is a text, or has complex numbers.
         """
         new = self._read(vector)
         share = self._share if sample_period is None else self._share_in(sample_period)
@@ -74,11 +75,11 @@ class VectorLPFilter:
 
     def _read(self, vector: Any) -> Any:
         if is_array(vector):
-            new, shape = vector.astype(float), vector.shape
+            new, shape = floats_of(vector), vector.shape
         else:
             if self._channels == 3 and all(hasattr(vector, name) for name in "xyz"):
                 vector = (vector.x, vector.y, vector.z)
-            new = tuple(map(float, vector))
+            new = floats_of(vector)
             shape = (len(new),)
         if shape != (self._channels,):
             raise ValueError(f"takes vectors of {self._channels} numbers, not of the shape {shape}")

@@ -148,9 +148,12 @@ def _checked(order: str) -> str:
 def _scaled(quat: Any, order: str) -> tuple[Any, Any, Any, Any]:
     """Return w, x, y, z of a size whose squares are neither too large nor too small."""
     numbers = dict(zip(order, numbers_of(quat, _checked(order)), strict=True))
-    w, x, y, z = (numbers[name] for name in "wxyz")
-    size = abs(w) + abs(x) + abs(y) + abs(z)
     maths = maths_for(quat)
-    if not (maths.least(size) > 0.0 and maths.are_finite(size)):
+    w, x, y, z = (numbers[name] for name in "wxyz")
+    # The largest one: a sum of them could be too large for a float.
+    size = abs(w)
+    for number in (x, y, z):
+        size = maths.choose(abs(number) > size, abs(number), size)
+    if not (maths.least(size) > 0.0 and all(map(maths.are_finite, (w, x, y, z)))):
         raise ValueError(f"no rotation: a quaternion is finite and not 0, but is {quat}")
     return w / size, x / size, y / size, z / size

@@ -15,6 +15,7 @@ __all__ = [
     "Maths",
     "QuaternionMessage",
     "VectorMessage",
+    "floats_of",
     "is_array",
     "maths_for",
     "numbers_of",
@@ -118,16 +119,32 @@ def numbers_of(value: Any, names: str) -> tuple[Any, ...]:
 
     Raises:
         ValueError: It has another number of numbers.
+        TypeError: It is a text, or has complex numbers.
     """
     if is_array(value):
         last = value.shape[-1] if value.shape else 0
         _check_length(last, names)
-        return tuple(value[..., index].astype(float) for index in range(len(names)))
+        return tuple(floats_of(value[..., index]) for index in range(len(names)))
     if all(hasattr(value, name) for name in names):
         return tuple(float(getattr(value, name)) for name in names)
-    numbers = tuple(map(float, value))
+    numbers: tuple[Any, ...] = floats_of(value)
     _check_length(len(numbers), names)
     return numbers
+
+
+def floats_of(value: Any) -> Any:
+    """Return an array of floats, or the numbers of a sequence as a tuple of them.
+
+    Raises:
+        TypeError: It is a text, whose characters could pass as numbers, or has complex numbers.
+    """
+    if is_array(value):
+        if value.dtype.kind == "c":
+            raise TypeError("takes real numbers, not complex ones")
+        return value.astype(float)
+    if isinstance(value, (str, bytes, bytearray)):
+        raise TypeError(f"takes numbers, not the text {value!r}")
+    return tuple(map(float, value))
 
 
 def _check_length(length: int, names: str) -> None:

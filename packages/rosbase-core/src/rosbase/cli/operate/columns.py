@@ -6,9 +6,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-__all__ = ["columns", "duration", "milliseconds", "size"]
+__all__ = ["columns", "duration", "long_tick", "milliseconds", "size"]
 
 _GAP = "  "
+_LONG_TICK_NS = 1_000_000_000
 
 
 def columns(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
@@ -51,6 +52,12 @@ def duration(time_ns: int) -> str:
     days, hours = divmod(hours, 24)
     clock = f"{hours:02d}:{minutes:02d}"
     return f"{days} d {clock}" if days else f"{clock}:{seconds:02d}"
+
+
+def long_tick(tick_ns: int | None, rate_hz: float | None) -> str:
+    """Return how long a tick has taken so far if it hangs, such as `30 s`; empty if it does not."""
+    least_ns = max(_LONG_TICK_NS, 2e9 / (rate_hz or 1.0))
+    return "" if tick_ns is None or tick_ns < least_ns else duration(tick_ns)
 
 
 def milliseconds(time_ns: float | None) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosbase.cli.operate.columns import columns, duration, size
+from rosbase.cli.operate.columns import columns, duration, long_tick, size
 from rosbase.control.questions.programs import ProgramQuestions
 
 TYPE_CHECKING = False
@@ -60,10 +60,11 @@ def _state(program: Program) -> str:
     """Return how far a program is: its own state while it runs."""
     if program["phase"] == "handshake" and program["waiting_for"]:
         return f"waiting for {', '.join(program['waiting_for'])}"
-    state = program["state"]
-    if program["phase"] != "running" or state in (None, ""):
-        return program["phase"]
-    return f"running: {state}"
+    state, phase = program["state"], program["phase"]
+    if phase == "running" and state not in (None, ""):
+        phase = f"running: {state}"
+    hanging = long_tick(program.get("tick_ns"), program["rate_hz"])
+    return f"{phase}, in one tick for {hanging}" if hanging else phase
 
 
 def _launched(one: Launched) -> tuple[str, ...]:

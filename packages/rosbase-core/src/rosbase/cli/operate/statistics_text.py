@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import log
 
-from rosbase.cli.operate.columns import columns, milliseconds
+from rosbase.cli.operate.columns import columns, long_tick, milliseconds
 from rosbase.control.questions.programs import ProgramQuestions
 
 TYPE_CHECKING = False
@@ -40,9 +40,11 @@ def _text(one: Statistics) -> str:
     for title, times in (("period", one["period"]), ("busy", one["busy"])):
         rows.append((title, *(milliseconds(times.get(key)) for _, key in _MARKS)))
     table = columns(rows, right=range(1, len(_MARKS) + 1))
+    hanging = long_tick(one.get("tick_ns"), rate)
     return "\n".join(
         [
             f"{head}, {one['overruns']} overruns",
+            *([f"the current tick has taken {hanging} so far"] if hanging else []),
             table,
             *_histogram("period", one["period"]["histogram"]),
             *_histogram("busy", one["busy"]["histogram"]),

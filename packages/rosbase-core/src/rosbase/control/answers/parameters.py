@@ -93,12 +93,24 @@ def _set_some(connection: NodeConnection, values: dict[str, Any]) -> SetParamete
 
 def _parameter(connection: NodeConnection, name: str, value: Any) -> Parameter[Any]:
     spec = _spec(connection, name)
+    text = value.get("text") if isinstance(value, dict) else value
+    for part in text if isinstance(text, list) else [text]:
+        if isinstance(part, str) and not _is_unicode(part):
+            # It could be neither printed nor sent.
+            raise ControlError(f"{name}: {ascii(part)[:200]} has half a surrogate", "invalid")
     if isinstance(value, dict):
-        text = value.get("text")
         if not isinstance(text, str):
             raise ControlError(f"{name}: an object as value has a text", "invalid")
         return Parameter(name, parse_text(spec, text))
     return Parameter(name, from_outside(spec, value))
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _names(connection: NodeConnection, request: Request) -> Iterable[str]:

@@ -10,6 +10,7 @@ from rosbase.control.requests import Answerer, Request
 from rosbase.control.session import Session
 from rosbase.control.usage import usage
 from rosbase.control.version import rosbase_version
+from rosbase.runtime.rate import LoopStats
 
 __all__ = ["ANSWERS"]
 
@@ -35,17 +36,25 @@ def _described(program: Program, now_ns: int) -> dict[str, Any]:
         "kind": program.kind,
         "class": program.class_name,
         "backend": None if backend is None else backend_name(backend),
+        "network": "" if backend is None else backend.network,
         "phase": program.phase,
         "waiting_for": [],
         "state": None,
         "rate_hz": None,
         "ticks": 0 if stats is None else stats.ticks,
         "overruns": 0 if stats is None else stats.overruns,
+        "tick_ns": tick_age_ns(stats, now_ns),
         "up_ns": now_ns - program.started_ns,
         "nodes": list(dict.fromkeys(node.name for node in program.nodes())),
         "children": [],
     }
     return {**facts, **program.facts()}
+
+
+def tick_age_ns(stats: LoopStats | None, now_ns: int) -> int | None:
+    """Return how long the tick that runs now has taken so far; None between two ticks."""
+    started_ns = None if stats is None else stats.tick_started_ns
+    return None if started_ns is None else max(0, now_ns - started_ns)
 
 
 def backend_name(backend: object) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from rosbase.clock import SystemClock
 from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.tap import Tap
+from rosbase.control.answers.backlog import Backlog
 from rosbase.control.answers.ends import FoundTopic, format_facts
 from rosbase.control.streams import Stream
 from rosbase.messages.fields import is_frozen
@@ -34,7 +35,7 @@ class TopicEcho(Stream):
 
         Args:
             form: The format of the messages.
-            limit: How many wait; older ones are dropped.
+            limit: How many wait, if there is room for their bytes; older ones are dropped.
             every_ns: Shortest time between two messages; those between are left out.
             now_ns: The monotonic clock.
         """
@@ -42,9 +43,7 @@ class TopicEcho(Stream):
         self._encode = form.encode
         self._every_ns = every_ns
         self._now_ns = now_ns
-        self._waiting: deque[tuple[int, int, Any]] = deque(maxlen=limit)
-        # As many are a reason not to wait for the next look.
-        self._many = max(1, limit // 2)
+        self._waiting = Backlog(limit)
         self._kept: deque[Any] = deque(maxlen=limit)
         self._serial = count(1).__next__
         self._last_serial = 0
@@ -61,7 +60,7 @@ class TopicEcho(Stream):
         on_message = self._hear_some if self._every_ns else self._hear
         self._tap = topic.backend.add_tap(topic.name, on_message)
         # After that, so that none is missed; what both have is heard once.
-        heard = [id(message) for _, _, message in list(self._waiting)]
+        heard = [id(message) for message in self._waiting.messages()]
         kept = topic.backend.kept_messages(topic.name)
         self._kept.extend(message for message in kept if id(message) not in heard)
 
@@ -73,7 +72,7 @@ class TopicEcho(Stream):
                 return '{"stamp_ns":null,"dropped":0}', data
         while True:
             try:
-                serial, stamp_ns, message = self._waiting.popleft()
+                serial, stamp_ns, message = self._waiting.take()
             except IndexError:
                 if self._is_over_for_now():
                     return None
@@ -91,6 +90,7 @@ class TopicEcho(Stream):
         """Hear nothing any more."""
         if self._tap is not None:
             self._tap.close()
+        self._waiting.close()
 
     def _is_over_for_now(self) -> bool:
         """Decide when to look again; return False if something has come meanwhile."""
@@ -119,8 +119,8 @@ class TopicEcho(Stream):
     def _hear(self, message: Any) -> None:
         if not self._frozen.get(type(message)) and not self._stays(message):
             message = self._written(message)
-        self._waiting.append((self._serial(), _date_ns(), message))
-        if self.due_ns is None or len(self._waiting) == self._many:
+        is_urgent = self._waiting.append(self._serial(), _date_ns(), message)
+        if self.due_ns is None or is_urgent:
             self.wake()
 
     def _stays(self, message: Any) -> bool:
