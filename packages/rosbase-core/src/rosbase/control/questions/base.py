@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Questions", "label"]
 
+_MOST_DIGITS = 18
+
 
 def label(process: Process) -> str:
     """Return how a process is named in a message: `robot [4711]`."""
@@ -88,7 +90,7 @@ class Questions:
         """
         if self._program is None:
             return None
-        if isinstance(self._program, int) or self._program.isdecimal():
+        if isinstance(self._program, int) or _is_pid(self._program):
             return [int(self._program)]
         return [self._named(self._program)["pid"]]
 
@@ -98,7 +100,7 @@ class Questions:
         replies = gather(asks, self._timeout_s, None, self._on_silent, self._silent_until)
         found = [reply.answers[0] for reply in replies]
         processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
-        if name.isdecimal():
+        if _is_pid(name):
             those = [p for p in processes if p["pid"] == int(name)]
         else:
             wanted = name.lstrip("/")
@@ -138,6 +140,11 @@ class Questions:
         from rosbase.control import names
 
         return names.one_of(kind, name, owners, self._labels() if pids else {})
+
+
+def _is_pid(name: str) -> bool:
+    """Return whether a name is the number of a process; Python reads none of thousands of digits."""
+    return name.isdecimal() and len(name) <= _MOST_DIGITS
 
 
 def _names_of(process: Process) -> list[str]:
