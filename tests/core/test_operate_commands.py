@@ -14,7 +14,7 @@ import pytest
 
 from rosbase.control import connect
 from rosbase.errors import ControlError
-from support.command import ROSBASE
+from support.command import ROSBASE, RunningRosbase
 from support.control import FakeProgram, offering
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
 from support.stopwatch import Stopwatch
@@ -165,9 +165,9 @@ def test_the_log_of_all_programs_is_printed_in_the_format_of_ros(robots: Robots)
     assert "not one of debug" in run("log", "-l", "loud", status=2)
 
 
-def test_the_log_is_followed_until_the_end_of_the_program(robots: Robots) -> None:
-    robots.start(APP)
-    following = robots.start_command("log", "-f", "--level", "info")
+def test_the_log_of_a_process_is_followed_until_its_end(robots: Robots) -> None:
+    app = robots.start(APP)
+    following = robots.start_command("log", "-f", "--level", "info", "-P", str(pid_of(app)))
     wait_until(
         lambda: following.stdout is not None and "five ticks" in following.stdout.readline(),
         "the record in memory",
@@ -177,6 +177,24 @@ def test_the_log_is_followed_until_the_end_of_the_program(robots: Robots) -> Non
     rest, _ = following.communicate(timeout=20)
     assert following.returncode == 0
     assert "]: configured the arm\n" in rest
+
+
+@pytest.mark.parametrize("chosen", [[], ["-P", "app"]])
+def test_the_log_of_programs_that_start_later_is_followed_too(
+    robots: Robots, chosen: list[str]
+) -> None:
+    robots.start(APP)
+    with RunningRosbase("log", "-f", "--level", "info", *chosen) as following:
+        following.waits_for("five ticks", where=following.out)
+        run("lifecycle", "set", "arm", "configure")
+        following.waits_for("configured the arm", where=following.out)
+        run("stop", "app")
+        robots.start(APP)
+        wait_until(lambda: following.out.count("five ticks") == 2, "the second program")
+        run("lifecycle", "set", "arm", "configure")
+        wait_until(lambda: following.out.count("configured the arm") == 2, "the second program")
+        assert following.end(signal.SIGINT) == 130
+        assert following.err.lines == []
 
 
 def test_statistics_tell_ticks_and_times(robots: Robots) -> None:
@@ -309,7 +327,8 @@ def test_head_ends_a_command_quietly(robots: Robots) -> None:
     with command:
         assert os.read(reading, 10)
         os.close(reading)
-        run("stop", "app")
+        # It notices with the next record.
+        run("lifecycle", "set", "arm", "configure")
         _, err = command.communicate(timeout=20)
     assert (command.returncode, err) == (0, "")
 

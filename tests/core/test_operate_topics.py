@@ -15,6 +15,7 @@ from rosbase.control import connect
 from rosbase.errors import ControlError
 from support.command import ROSBASE
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 PARENT = """
@@ -172,6 +173,31 @@ def test_echo_ends_with_the_program(robots: Robots) -> None:
     echo.communicate(timeout=20)
     assert echo.returncode == 0
     assert app.end()[0] == 0
+
+
+def test_a_stream_whose_program_is_killed_ends_with_status_1(robots: Robots) -> None:
+    app = robots.start(APP)
+    echo = robots.start_command("topic", "echo", "position", "--csv")
+    hz = robots.start_command("topic", "hz", "position")
+    for command in (echo, hz):
+        assert command.stdout is not None
+        assert command.stdout.readline()
+    app.process.kill()
+    for command in (echo, hz):
+        _, err = command.communicate(timeout=20)
+        assert (command.returncode, err) == (1, f"rosbase: process {pid_of(app)} has ended\n")
+    app.process.wait()
+
+
+def test_a_time_limit_ends_a_reader_that_is_slower_than_the_topic(robots: Robots) -> None:
+    robots.start(APP)
+    read = []
+    with Stopwatch() as watch:
+        for heard in islice(connect("app").echo("position", timeout_s=0.2), 10):
+            read.append(heard)
+            # At 100 Hz, there are messages that wait.
+            wait_until(lambda: watch.took_s > 0.3, "the end of the time")
+    assert len(read) == 1
 
 
 def test_head_and_ctrl_c_end_echo_quietly(robots: Robots) -> None:

@@ -90,9 +90,19 @@ class Questions:
         """
         if self._program is None:
             return None
-        if isinstance(self._program, int) or _is_pid(self._program):
+        if self._is_one_process():
             return [int(self._program)]
-        return [self._named(self._program)["pid"]]
+        return [self._named(str(self._program))["pid"]]
+
+    def _is_one_process(self) -> bool:
+        """Return whether a process was chosen by its pid."""
+        return self._program is not None and _is_pid(str(self._program))
+
+    def _is_meant(self, process: Process) -> bool:
+        """Return whether a process is the chosen one, or has the chosen program."""
+        if self._program is None or self._is_one_process():
+            return self._program is None or process["pid"] == int(self._program)
+        return str(self._program).lstrip("/") in _names_of(process)
 
     def _named(self, name: str) -> Process:
         """Return the process with a program of that name, or that pid."""
@@ -143,7 +153,8 @@ class Questions:
 
 
 def _is_pid(name: str) -> bool:
-    """Return whether a name is the number of a process; Python reads none of thousands of digits."""
+    """Return whether a name is the number of a process."""
+    # Python reads none of thousands of digits.
     return name.isdecimal() and len(name) <= _MOST_DIGITS
 
 
