@@ -49,10 +49,9 @@ _ECHO = Command(
     Option("-f --full-length", "print long lists and texts in full"),
     Option(
         "-l --truncate-length",
-        "the length from which lists and texts are cut (128)",
+        "the length from which lists and texts are cut (128; --json and --csv: not at all)",
         value="N",
         kind="count",
-        default=128,
     ),
     Option("--no-arr", "leave out the elements of lists"),
     Option("--no-str", "leave out texts"),
