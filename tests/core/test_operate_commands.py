@@ -106,6 +106,42 @@ def test_parameters_are_read_set_and_described_as_with_ros2(robots: Robots) -> N
     )
 
 
+def test_the_key_of_a_plain_node_serves_to_list_save_and_load(
+    robots: Robots, tmp_path: Path
+) -> None:
+    robots.start(APP)
+    assert run("param", "list", "robot", "--param-type") == (
+        "  names (type: string array)\n  speed (type: double)\n"
+    )
+    assert connect().parameter_names("robot") == {"robot": ["names", "speed"]}
+    file = tmp_path / "robot.toml"
+    file.write_text("[robot]\nspeed = 7\n")
+    assert run("param", "load", "robot", str(file)) == "Set parameter speed successful\n"
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 7.0\n"
+    assert run("param", "dump", "robot").startswith("/robot:\n  ros__parameters:\n    names:")
+
+
+EVIL = """
+from rosbase import BaseNode
+
+node = BaseNode(node_name="evil")
+node.declare_parameter("title", "\\x1b[2J")
+node.create_timer(0.1, lambda: print("ready", flush=True))
+node.start_spin_standalone()
+"""
+
+
+def test_a_value_does_no_harm_to_a_terminal(robots: Robots) -> None:
+    robots.start(EVIL)
+    assert run("param", "get", "evil", "title") == "String value is: \\x1b[2J\n"
+    assert run("param", "get", "evil", "title", "--hide-type") == "\\x1b[2J\n"
+
+
+def test_a_value_that_is_no_text_is_refused(robots: Robots) -> None:
+    robots.start(EVIL)
+    assert "not UTF-8" in run("param", "set", "evil", "title", "\udcff", status=2)
+
+
 def test_a_parameter_that_is_not_set_is_told_and_status_1(robots: Robots) -> None:
     robots.start(APP)
     out, err = run_both("param", "set", "app", "robot.speed", "fast", status=1)
