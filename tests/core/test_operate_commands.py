@@ -121,6 +121,18 @@ def test_the_key_of_a_plain_node_serves_to_list_save_and_load(
     assert run("param", "dump", "robot").startswith("/robot:\n  ros__parameters:\n    names:")
 
 
+def test_a_key_in_several_programs_is_told_from_an_unknown_one(robots: Robots) -> None:
+    robots.start(APP)
+    other = robots.start(APP.replace('"app"', '"other"'))
+    err = run("param", "get", "robot", "speed", status=1)
+    assert "node robot is in 2 programs: " in err
+    assert "choose one with --program" in err
+    assert run("param", "get", "robot", "speed", "-P", "other") == "Double value is: 1.5\n"
+    assert "did you mean robot?" in run("param", "get", "robt", "speed", status=1)
+    other.process.terminate()
+    other.end()
+
+
 EVIL = """
 from rosbase import BaseNode
 
@@ -135,6 +147,36 @@ def test_a_value_does_no_harm_to_a_terminal(robots: Robots) -> None:
     robots.start(EVIL)
     assert run("param", "get", "evil", "title") == "String value is: \\x1b[2J\n"
     assert run("param", "get", "evil", "title", "--hide-type") == "\\x1b[2J\n"
+
+
+def test_a_text_that_the_character_set_of_a_terminal_has_not_is_escaped(robots: Robots) -> None:
+    robots.start(EVIL)
+    run("param", "set", "evil", "title", "\u2603")
+    done = subprocess.run(
+        [ROSBASE, "param", "get", "evil", "title"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "String value is: \\u2603\n", "")
+
+
+@pytest.mark.parametrize(
+    ("closed", "err"),
+    [(">&-", "rosbase: cannot write: stdout is closed\n"), ("2>&-", ""), (">&- 2>&-", "")],
+)
+def test_a_closed_stream_is_no_traceback(robots: Robots, closed: str, err: str) -> None:
+    done = subprocess.run(
+        f"'{ROSBASE}' param get no_such x {closed}",
+        shell=True,
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", err)
 
 
 def test_a_value_that_is_no_text_is_refused(robots: Robots) -> None:

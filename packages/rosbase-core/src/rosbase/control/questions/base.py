@@ -143,7 +143,7 @@ class Questions:
         Raises:
             ControlError: None has it, or several have.
         """
-        full = name if name.startswith("/") else f"/{name}"
+        full = name if name in owners or name.startswith("/") else f"/{name}"
         pids = set(owners.get(full, ()))
         if len(pids) == 1:
             return full, pids.pop()
