@@ -8,10 +8,12 @@ import subprocess
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from rosbase.control import connect
+from rosbase.control import connect, time_limit
+from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 from support.command import ROSBASE
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
@@ -278,13 +280,48 @@ def test_published_messages_arrive_in_the_program(robots: Robots) -> None:
         (["goal", "std_msgs/msg/String"], 1, "std_msgs/msg/String"),
         (["gaol", "std_msgs/msg/String"], 1, "no topic gaol; did you mean /goal?"),
         (["goal", "no_msgs/msg/Thing"], 1, "no_msgs/msg/Thing"),
+        (["-1", "later", "geometry_msgs/msg/Point", "{w: 1}"], 2, "has no field w"),
+        (["-1", "goal", "std_msgs/msg/String", "-w", "9"], 1, "not std_msgs/msg/String"),
+        (["goal", "geometry_msgs/msg/Point", "--qos-reliability", "most"], 2, "is not one of"),
     ],
 )
 def test_what_cannot_be_published_is_explained(
     robots: Robots, words: list[str], status: int, text: str
 ) -> None:
     robots.start(APP)
-    assert text in run("topic", "pub", *words, status=status)
+    out, err = run_both("topic", "pub", *words, status=status)
+    assert text in err
+    assert "beginning loop" not in out
+
+
+def test_a_type_that_no_program_knows_yet_is_told_before_pub_waits(robots: Robots) -> None:
+    robots.start(APP)
+    command = robots.start_command("topic", "pub", "-1", "later", "no_msgs/msg/Thing")
+    assert command.stderr is not None
+    assert "no_msgs/msg/Thing" in command.stderr.readline()
+    command.send_signal(signal.SIGINT)
+    command.communicate(timeout=20)
+    assert command.returncode == 130
+
+
+def test_a_rate_catches_up_after_a_delay(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = [0.0]
+    clock = SimpleNamespace(monotonic_ns=lambda: int(now_s[0] * 1e9))
+    monkeypatch.setattr(time_limit, "time", clock)
+    limit = TimeLimit(0.0)
+    now_s[0] = 0.5
+    for _ in range(5):
+        limit.restart(0.1, behind_s=1.0)
+        assert limit.is_over
+    limit.restart(0.1, behind_s=1.0)
+    assert limit.left_s == pytest.approx(0.1)
+    now_s[0] = 5.0
+    # At most what a second has room for, and now the next one.
+    for _ in range(11):
+        limit.restart(0.1, behind_s=1.0)
+        assert limit.is_over
+    limit.restart(0.1, behind_s=1.0)
+    assert not limit.is_over
 
 
 def test_pub_waits_for_a_subscription(robots: Robots) -> None:
