@@ -253,6 +253,15 @@ def test_rate_bandwidth_and_age_are_printed_as_by_ros2(robots: Robots) -> None:
     assert 0.02 <= float(found[1]) < 0.5
 
 
+def test_a_field_may_be_an_element_of_a_list(robots: Robots) -> None:
+    robots.start(FAST)
+    field = "orientation_covariance"
+    assert run("topic", "echo", "imu/data", "--once", "--field", f"{field}[8]") == "0.0\n---\n"
+    words = ["topic", "echo", "imu/data", "--once", "--field"]
+    assert "the list has 9 elements" in run(*words, f"{field}[9]", status=1)
+    assert "[x] is no index" in run(*words, f"{field}[x]", status=1)
+
+
 def test_a_message_without_a_header_has_no_age(robots: Robots) -> None:
     robots.start(APP)
     assert "has no header" in run("topic", "delay", "position", status=1)

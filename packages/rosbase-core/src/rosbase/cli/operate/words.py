@@ -41,7 +41,7 @@ _ECHO = Command(
     "observing.echo",
     _TOPIC,
     Argument("type", "its type, checked against that of the topic", needed=False),
-    Option("--field", "print only this field, such as pose.position", value="FIELD"),
+    Option("--field", "print only this field, such as pose.position or axes[0]", value="FIELD"),
     Option("--once", "print one message and end"),
     Option("--json", "print a line of JSON for each message"),
     Option("--csv", "print a line of values separated by commas for each message"),
