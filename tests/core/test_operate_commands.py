@@ -338,6 +338,21 @@ def test_an_unknown_name_is_told_with_what_was_meant(robots: Robots, words: str,
     assert text in run(*words.split(), status=1)
 
 
+def test_the_reason_is_told_if_there_are_no_names_at_all(robots: Robots) -> None:
+    assert run("stop", "app", status=1) == "rosbase: no program app; no program runs\n"
+    assert run("topic", "info", "x", status=1) == "rosbase: no topic x; no program runs\n"
+    assert run("node", "info", "x", status=1) == "rosbase: no node x; no program runs\n"
+    app = robots.start(APP)
+    app.process.send_signal(signal.SIGSTOP)
+    try:
+        for words in (["stop", "app"], ["topic", "info", "position"], ["node", "info", "app"]):
+            err = run(*words, status=1)
+            assert err.endswith(" among the programs that answer\n")
+            assert f"process {pid_of(app)} does not answer\n" in err
+    finally:
+        app.process.send_signal(signal.SIGCONT)
+
+
 @pytest.mark.parametrize(
     "words", ["topic", "topic fly", "param set app x", "ps --fast", "log -n x"]
 )

@@ -94,8 +94,11 @@ def _without_publisher(program: Program) -> list[str]:
 
 
 def _warning(topic: str, names: list[str]) -> str:
+    which = "which does, is another program"
+    if len(names) > 1:
+        which = "which do, are other programs"
     return (
         f"nothing comes on {topic}: no node of this program publishes it, and "
-        f"{' and '.join(names)}, which does, is another program. The backend local joins the "
+        f"{' and '.join(names)}, {which}. The backend local joins the "
         "nodes of one program; to join programs, run them with ROSBASE_BACKEND=ros2"
     )

@@ -7,7 +7,7 @@ from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from typing import Any
 
     from rosbase.control.gathering import Ask
@@ -122,7 +122,7 @@ class Questions:
 
         if not those:
             known = [n for p in processes for n in (*_names_of(p), str(p["pid"]))]
-            raise names.unknown("program", name, known)
+            raise self._explained(names.unknown("program", name, known), known)
         raise ControlError(
             f"{len(those)} programs are named {name}: {', '.join(map(label, those))}; "
             "choose one by the number of its process",
@@ -149,7 +149,21 @@ class Questions:
             return full, pids.pop()
         from rosbase.control import names
 
-        return names.one_of(kind, name, owners, self._labels() if pids else {})
+        try:
+            return names.one_of(kind, name, owners, self._labels() if pids else {})
+        except ControlError as error:
+            raise self._explained(error, owners) from None
+
+    def _explained(self, error: ControlError, known: Collection[str]) -> ControlError:
+        """Return the error for a name, with the reason if there are no names at all."""
+        if error.kind != "unknown" or known:
+            return error
+        head = str(error).partition("; ")[0]
+        if any(not limit.is_over for limit in self._silent_until.values()):
+            return ControlError(f"{head} among the programs that answer", "unknown")
+        if not self.processes():
+            return ControlError(f"{head}; no program runs", "unknown")
+        return error
 
 
 def _is_pid(name: str) -> bool:
