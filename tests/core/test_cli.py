@@ -266,12 +266,3 @@ def test_the_parameters_can_be_listed(capsys: pytest.CaptureFixture[str]) -> Non
     shown = [line[2:].partition("  ")[0] for line in lines if ":=" in line and "=[]" not in line]
     check_given(reader_parameters(installed_plugins()), read_given(shown, None))
     assert logging.getLogger("rosbase").handlers
-
-
-@pytest.mark.parametrize("name", ["imu.yaml", "imu.yml"])
-def test_a_parameter_file_of_ros_is_told_where_it_is_taken(tmp_path: Path, name: str) -> None:
-    file = tmp_path / name
-    file.write_text("lifecycle_manager:\n  ros__parameters:\n    frame_id: front\n")
-    done = run("imu", "--params-file", str(file))
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert done.stderr.endswith("; a parameter file of ROS is given behind --ros-args\n")

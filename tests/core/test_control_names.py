@@ -4,9 +4,12 @@ from typing import Any
 
 import pytest
 
+from rosbase.control.answers import lookup
 from rosbase.control.buses import buses, observers, on_several
 from rosbase.control.names import full_type, is_hidden, one_of, similar, unknown
+from rosbase.control.programs import RunningNode
 from rosbase.errors import ControlError
+from support.control import FakeProgram
 
 
 def process(
@@ -114,3 +117,20 @@ def test_types_are_completed_and_hidden_names_known() -> None:
     assert full_type("String") == "String"
     assert is_hidden("/a/_b")
     assert not is_hidden("/a_/b")
+
+
+class Twin(FakeProgram):
+    def nodes(self) -> list[RunningNode]:
+        return [RunningNode("/twin", "", "Twin", None)]
+
+
+def test_programs_of_one_process_with_the_same_name_are_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lookup, "running_programs", lambda: (Twin(), Twin()))
+    with pytest.raises(ControlError) as caught:
+        lookup.find_node("twin")
+    assert caught.value.kind == "ambiguous"
+    assert str(caught.value).startswith(
+        "node twin is in 2 programs of one process: /fake (Twin), /fake (Twin); "
+    )

@@ -14,7 +14,7 @@ import pytest
 
 from rosbase.control import connect
 from rosbase.errors import ControlError
-from support.command import ROSBASE
+from support.command import ROSBASE, RunningRosbase
 from support.control import FakeProgram, offering
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
 from support.stopwatch import Stopwatch
@@ -143,6 +143,84 @@ def test_parameters_are_read_set_and_described_as_with_ros2(robots: Robots) -> N
     )
 
 
+def test_the_key_of_a_plain_node_serves_to_list_save_and_load(
+    robots: Robots, tmp_path: Path
+) -> None:
+    robots.start(APP)
+    assert run("param", "list", "robot", "--param-type") == (
+        "  names (type: string array)\n  speed (type: double)\n"
+    )
+    assert connect().parameter_names("robot") == {"robot": ["names", "speed"]}
+    file = tmp_path / "robot.toml"
+    file.write_text("[robot]\nspeed = 7\n")
+    assert run("param", "load", "robot", str(file)) == "Set parameter speed successful\n"
+    assert run("param", "get", "app", "robot.speed") == "Double value is: 7.0\n"
+    assert run("param", "dump", "robot").startswith("/robot:\n  ros__parameters:\n    names:")
+
+
+def test_a_key_in_several_programs_is_told_from_an_unknown_one(robots: Robots) -> None:
+    robots.start(APP)
+    other = robots.start(APP.replace('"app"', '"other"'))
+    err = run("param", "get", "robot", "speed", status=1)
+    assert "node robot is in 2 programs: " in err
+    assert "choose one with --program" in err
+    assert run("param", "get", "robot", "speed", "-P", "other") == "Double value is: 1.5\n"
+    assert "did you mean robot?" in run("param", "get", "robt", "speed", status=1)
+    other.process.terminate()
+    other.end()
+
+
+EVIL = """
+from rosbase import BaseNode
+
+node = BaseNode(node_name="evil")
+node.declare_parameter("title", "\\x1b[2J")
+node.create_timer(0.1, lambda: print("ready", flush=True))
+node.start_spin_standalone()
+"""
+
+
+def test_a_value_does_no_harm_to_a_terminal(robots: Robots) -> None:
+    robots.start(EVIL)
+    assert run("param", "get", "evil", "title") == "String value is: \\x1b[2J\n"
+    assert run("param", "get", "evil", "title", "--hide-type") == "\\x1b[2J\n"
+
+
+def test_a_text_that_the_character_set_of_a_terminal_has_not_is_escaped(robots: Robots) -> None:
+    robots.start(EVIL)
+    run("param", "set", "evil", "title", "\u2603")
+    done = subprocess.run(
+        [ROSBASE, "param", "get", "evil", "title"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "String value is: \\u2603\n", "")
+
+
+@pytest.mark.parametrize(
+    ("closed", "err"),
+    [(">&-", "rosbase: cannot write: stdout is closed\n"), ("2>&-", ""), (">&- 2>&-", "")],
+)
+def test_a_closed_stream_is_no_traceback(robots: Robots, closed: str, err: str) -> None:
+    done = subprocess.run(
+        f"'{ROSBASE}' param get no_such x {closed}",
+        shell=True,
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", err)
+
+
+def test_a_value_that_is_no_text_is_refused(robots: Robots) -> None:
+    robots.start(EVIL)
+    assert "not UTF-8" in run("param", "set", "evil", "title", "\udcff", status=2)
+
+
 def test_a_parameter_that_is_not_set_is_told_and_status_1(robots: Robots) -> None:
     robots.start(APP)
     out, err = run_both("param", "set", "app", "robot.speed", "fast", status=1)
@@ -202,9 +280,9 @@ def test_the_log_of_all_programs_is_printed_in_the_format_of_ros(robots: Robots)
     assert "not one of debug" in run("log", "-l", "loud", status=2)
 
 
-def test_the_log_is_followed_until_the_end_of_the_program(robots: Robots) -> None:
-    robots.start(APP)
-    following = robots.start_command("log", "-f", "--level", "info")
+def test_the_log_of_a_process_is_followed_until_its_end(robots: Robots) -> None:
+    app = robots.start(APP)
+    following = robots.start_command("log", "-f", "--level", "info", "-P", str(pid_of(app)))
     wait_until(
         lambda: following.stdout is not None and "five ticks" in following.stdout.readline(),
         "the record in memory",
@@ -214,6 +292,24 @@ def test_the_log_is_followed_until_the_end_of_the_program(robots: Robots) -> Non
     rest, _ = following.communicate(timeout=20)
     assert following.returncode == 0
     assert "]: configured the arm\n" in rest
+
+
+@pytest.mark.parametrize("chosen", [[], ["-P", "app"]])
+def test_the_log_of_programs_that_start_later_is_followed_too(
+    robots: Robots, chosen: list[str]
+) -> None:
+    robots.start(APP)
+    with RunningRosbase("log", "-f", "--level", "info", *chosen) as following:
+        following.waits_for("five ticks", where=following.out)
+        run("lifecycle", "set", "arm", "configure")
+        following.waits_for("configured the arm", where=following.out)
+        run("stop", "app")
+        robots.start(APP)
+        wait_until(lambda: following.out.count("five ticks") == 2, "the second program")
+        run("lifecycle", "set", "arm", "configure")
+        wait_until(lambda: following.out.count("configured the arm") == 2, "the second program")
+        assert following.end(signal.SIGINT) == 130
+        assert following.err.lines == []
 
 
 def test_statistics_tell_ticks_and_times(robots: Robots) -> None:
@@ -277,6 +373,21 @@ def test_two_programs_of_one_name_are_told_apart_by_their_pids(robots: Robots) -
 def test_an_unknown_name_is_told_with_what_was_meant(robots: Robots, words: str, text: str) -> None:
     robots.start(APP)
     assert text in run(*words.split(), status=1)
+
+
+def test_the_reason_is_told_if_there_are_no_names_at_all(robots: Robots) -> None:
+    assert run("stop", "app", status=1) == "rosbase: no program app; no program runs\n"
+    assert run("topic", "info", "x", status=1) == "rosbase: no topic x; no program runs\n"
+    assert run("node", "info", "x", status=1) == "rosbase: no node x; no program runs\n"
+    app = robots.start(APP)
+    app.process.send_signal(signal.SIGSTOP)
+    try:
+        for words in (["stop", "app"], ["topic", "info", "position"], ["node", "info", "app"]):
+            err = run(*words, status=1)
+            assert err.endswith(" among the programs that answer\n")
+            assert f"process {pid_of(app)} does not answer\n" in err
+    finally:
+        app.process.send_signal(signal.SIGCONT)
 
 
 @pytest.mark.parametrize(
@@ -346,7 +457,8 @@ def test_head_ends_a_command_quietly(robots: Robots) -> None:
     with command:
         assert os.read(reading, 10)
         os.close(reading)
-        run("stop", "app")
+        # It notices with the next record.
+        run("lifecycle", "set", "arm", "configure")
         _, err = command.communicate(timeout=20)
     assert (command.returncode, err) == (0, "")
 

@@ -50,12 +50,15 @@ def test_commands_options_and_live_names_are_offered(robots: Robots) -> None:
     assert candidates("completion", "") == ["bash", "zsh", "fish"]
     assert candidates("topic", "fly", "") == []
     assert candidates("nothing", "") == []
+    assert candidates("--v") == ["--version"]
 
 
 def test_files_are_offered(robots: Robots, tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").touch()
     (tmp_path / "robots").mkdir()
     begun = f"{tmp_path}/rob"
+    for words in (["up"], ["run"], ["run", "app.py", "--params-file"], ["imu", "--params-file"]):
+        assert candidates(*words, begun) == [f"{begun}ot.yaml", f"{begun}ots/"]
     assert candidates("param", "load", "app", begun) == [f"{begun}ot.yaml", f"{begun}ots/"]
 
 

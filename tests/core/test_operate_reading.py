@@ -46,6 +46,9 @@ TRIED = Command(
         ("/x --tag a --tag b", {"tag": ["a", "b"]}),
         ("/x -P robot", {"program": "robot"}),
         ("/x -t 3", {"times": 3}),
+        ("/x -.inf", {"values": "-.inf"}),
+        ("/x -0x10", {"values": "-0x10"}),
+        ("/x -inf", {"values": "-inf"}),
     ],
 )
 def test_options_stand_anywhere_in_each_of_their_spellings(
@@ -67,6 +70,7 @@ def test_options_stand_anywhere_in_each_of_their_spellings(
         ("/x -r nan", "-r: 'nan' is not a positive number"),
         ("/x --rate=-5", "--rate: '-5' is not a positive number"),
         ("/x -t 0", "-t: '0' is not a whole number from 1 up"),
+        (f"/x -t {'5' * 5_000}", "-t: '555"),
         ("/x --count=3", "--count takes no value"),
     ],
 )
@@ -74,6 +78,11 @@ def test_a_wrong_line_is_explained(line: str, text: str) -> None:
     with pytest.raises(UsageError) as caught:
         read(TRIED, line.split())
     assert str(caught.value).startswith(text)
+
+
+def test_an_option_may_look_like_a_number() -> None:
+    found = read(COMMANDS["topic pub"], ["-1", "/goal", "geometry_msgs/msg/Point", "{x: 1}"])
+    assert (found["once"], found["topic"], found["values"]) == (True, "/goal", "{x: 1}")
 
 
 @given(st.lists(st.text(st.sampled_from("-=cr5/x P"), max_size=5), max_size=5))

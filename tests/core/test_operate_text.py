@@ -1,5 +1,8 @@
 """How commands print messages, rates and tables. The rules are those of rosidl_runtime_py."""
 
+import csv
+import io
+import json
 import math
 import statistics
 from typing import Any
@@ -51,8 +54,27 @@ def test_json_is_one_line_that_every_reader_takes() -> None:
     assert echo(MESSAGE, "--json") == (
         '{"header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "base"}, '
         '"values": [1, 2, 3], "names": ["a", "b"], "empty": [], '
-        '"nested": [{"x": 1.5}, {"x": null}], "ok": true}\n'
+        '"nested": [{"x": 1.5}, {"x": "NaN"}], "ok": true}\n'
     )
+
+
+def test_json_tells_numbers_that_it_has_not_from_each_other() -> None:
+    values = json.loads(echo({"values": (math.nan, math.inf, -math.inf)}, "--json"))["values"]
+    assert list(map(repr, map(float, values))) == ["nan", "inf", "-inf"]
+
+
+def test_forms_for_other_programs_are_cut_only_if_wanted() -> None:
+    message = {"text": "x" * 200, "numbers": memoryview(bytes(200))}
+    assert json.loads(echo(message, "--json")) == {"text": "x" * 200, "numbers": [0] * 200}
+    assert echo(message, "--csv") == f"{'x' * 200}{',0' * 200}\n"
+    assert json.loads(echo(message, "--json", "-l", "1"))["numbers"] == [0, "..."]
+
+
+@given(st.lists(st.text(st.characters(codec="ascii", categories=("L", "P", "Z", "S"))), min_size=1))
+def test_texts_in_csv_can_be_read_back(texts: list[str]) -> None:
+    written = [*texts, 'a "b", c\nd']
+    shown = echo({"number": 1, "texts": written}, "--csv")
+    assert list(csv.reader(io.StringIO(shown, newline=""))) == [["1", *written]]
 
 
 def test_long_lists_and_texts_are_cut_as_by_ros2() -> None:

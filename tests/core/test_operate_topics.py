@@ -8,13 +8,16 @@ import subprocess
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from rosbase.control import connect
+from rosbase.control import connect, time_limit
+from rosbase.control.time_limit import TimeLimit
 from rosbase.errors import ControlError
 from support.command import ROSBASE
 from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run, run_both
+from support.stopwatch import Stopwatch
 from support.waiting import wait_until
 
 PARENT = """
@@ -174,6 +177,31 @@ def test_echo_ends_with_the_program(robots: Robots) -> None:
     assert app.end()[0] == 0
 
 
+def test_a_stream_whose_program_is_killed_ends_with_status_1(robots: Robots) -> None:
+    app = robots.start(APP)
+    echo = robots.start_command("topic", "echo", "position", "--csv")
+    hz = robots.start_command("topic", "hz", "position")
+    for command in (echo, hz):
+        assert command.stdout is not None
+        assert command.stdout.readline()
+    app.process.kill()
+    for command in (echo, hz):
+        _, err = command.communicate(timeout=20)
+        assert (command.returncode, err) == (1, f"rosbase: process {pid_of(app)} has ended\n")
+    app.process.wait()
+
+
+def test_a_time_limit_ends_a_reader_that_is_slower_than_the_topic(robots: Robots) -> None:
+    robots.start(APP)
+    read = []
+    with Stopwatch() as watch:
+        for heard in islice(connect("app").echo("position", timeout_s=1.0), 10):
+            read.append(heard)
+            # At 100 Hz, there are messages that wait.
+            wait_until(lambda: watch.took_s > 1.2, "the end of the time")
+    assert len(read) == 1
+
+
 def test_head_and_ctrl_c_end_echo_quietly(robots: Robots) -> None:
     robots.start(APP)
     done = subprocess.run(
@@ -225,6 +253,15 @@ def test_rate_bandwidth_and_age_are_printed_as_by_ros2(robots: Robots) -> None:
     assert 0.02 <= float(found[1]) < 0.5
 
 
+def test_a_field_may_be_an_element_of_a_list(robots: Robots) -> None:
+    robots.start(FAST)
+    field = "orientation_covariance"
+    assert run("topic", "echo", "imu/data", "--once", "--field", f"{field}[8]") == "0.0\n---\n"
+    words = ["topic", "echo", "imu/data", "--once", "--field"]
+    assert "the list has 9 elements" in run(*words, f"{field}[9]", status=1)
+    assert "[x] is no index" in run(*words, f"{field}[x]", status=1)
+
+
 def test_a_message_without_a_header_has_no_age(robots: Robots) -> None:
     robots.start(APP)
     assert "has no header" in run("topic", "delay", "position", status=1)
@@ -252,13 +289,48 @@ def test_published_messages_arrive_in_the_program(robots: Robots) -> None:
         (["goal", "std_msgs/msg/String"], 1, "std_msgs/msg/String"),
         (["gaol", "std_msgs/msg/String"], 1, "no topic gaol; did you mean /goal?"),
         (["goal", "no_msgs/msg/Thing"], 1, "no_msgs/msg/Thing"),
+        (["-1", "later", "geometry_msgs/msg/Point", "{w: 1}"], 2, "has no field w"),
+        (["-1", "goal", "std_msgs/msg/String", "-w", "9"], 1, "not std_msgs/msg/String"),
+        (["goal", "geometry_msgs/msg/Point", "--qos-reliability", "most"], 2, "is not one of"),
     ],
 )
 def test_what_cannot_be_published_is_explained(
     robots: Robots, words: list[str], status: int, text: str
 ) -> None:
     robots.start(APP)
-    assert text in run("topic", "pub", *words, status=status)
+    out, err = run_both("topic", "pub", *words, status=status)
+    assert text in err
+    assert "beginning loop" not in out
+
+
+def test_a_type_that_no_program_knows_yet_is_told_before_pub_waits(robots: Robots) -> None:
+    robots.start(APP)
+    command = robots.start_command("topic", "pub", "-1", "later", "no_msgs/msg/Thing")
+    assert command.stderr is not None
+    assert "no_msgs/msg/Thing" in command.stderr.readline()
+    command.send_signal(signal.SIGINT)
+    command.communicate(timeout=20)
+    assert command.returncode == 130
+
+
+def test_a_rate_catches_up_after_a_delay(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = [0.0]
+    clock = SimpleNamespace(monotonic_ns=lambda: int(now_s[0] * 1e9))
+    monkeypatch.setattr(time_limit, "time", clock)
+    limit = TimeLimit(0.0)
+    now_s[0] = 0.5
+    for _ in range(5):
+        limit.restart(0.1, behind_s=1.0)
+        assert limit.is_over
+    limit.restart(0.1, behind_s=1.0)
+    assert limit.left_s == pytest.approx(0.1)
+    now_s[0] = 5.0
+    # At most what a second has room for, and now the next one.
+    for _ in range(11):
+        limit.restart(0.1, behind_s=1.0)
+        assert limit.is_over
+    limit.restart(0.1, behind_s=1.0)
+    assert not limit.is_over
 
 
 def test_pub_waits_for_a_subscription(robots: Robots) -> None:

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from rosbase.cli.arguments import check_given, read_given
+from rosbase.imu.settings import reader_parameters
+from rosbase.plugins import installed_plugins
 from support.code_blocks import ROOT, blocks_of
 from support.command import RunningRosbase
 from support.operated import Robots, robots_in, run, wait_for_programs
@@ -100,7 +103,7 @@ def test_pick_and_place_is_looked_at_and_stopped(robots: Robots) -> None:
     assert process.returncode == 0
 
 
-def test_the_imu_reader_is_operated_as_on_the_page(robots: Robots) -> None:
+def test_the_imu_reader_is_operated_as_on_the_page(robots: Robots, tmp_path: Path) -> None:
     with RunningRosbase("simulate") as device:
         device.waits_for("rosbase imu", where=device.out)
         line = next(line for line in device.out.lines if "rosbase imu" in line)
@@ -119,6 +122,11 @@ def test_the_imu_reader_is_operated_as_on_the_page(robots: Robots) -> None:
             assert described.startswith("Parameter name: frame_id\n  Type: string\n")
             assert was_set == "Set parameter successful\n"
             assert "    frame_id: left_imu\n" in dump
+            saved = tmp_path / "imu.yaml"
+            saved.write_text(dump)
+            specs = reader_parameters(installed_plugins())
+            again = check_given(specs, read_given([], saved))
+            assert again["frame_id"] == "left_imu"
             assert offered.startswith("- deactivate [4]\n\tStart: active\n\tGoal: deactivating\n")
             assert "health OK" in log
             assert stopped.startswith("stopped lifecycle_manager [")

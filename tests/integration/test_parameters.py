@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from rosbase.cli.arguments import check_given, read_given
-from rosbase.errors import ParameterError
+from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.imu.settings import reader_parameters
 from rosbase.plugins import installed_plugins
 
@@ -74,4 +74,26 @@ def test_a_file_says_the_same_in_quotes_and_a_choice_without(tmp_path: Path) -> 
     }
     file.write_text("frame_id = 42\n")
     with pytest.raises(ParameterError, match="takes text, not 42; write text in quotes"):
+        values_of(file=file)
+
+
+def test_a_parameter_file_of_ros_is_read_for_the_node_of_the_reader(tmp_path: Path) -> None:
+    pytest.importorskip("yaml")
+    file = tmp_path / "imu.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters: {frame_id: every, plausibility: off}\n"
+        "/lifecycle_manager:\n  ros__parameters:\n    comm_t: 'serial'\n    frame_id: '0042'\n"
+        "    stale_timeout: 2\n    mapping: {select: [type=101]}\n"
+        "/camera:\n  ros__parameters: {fps: 30}\n"
+    )
+    assert read_given([], file)["comm_t"].text == "serial"
+    assert values_of("stale_timeout:=3", file=file) == {
+        "plausibility": "off",
+        "comm_t": "serial",
+        "frame_id": "0042",
+        "stale_timeout": 3.0,
+        "mapping.select": ["type=101"],
+    }
+    file.write_text("/camera:\n  ros__parameters: {fps: 30}\n")
+    with pytest.raises(ConfigurationError, match="has no parameters for /lifecycle_manager"):
         values_of(file=file)

@@ -4,23 +4,19 @@ import argparse
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
-
-from attrs import frozen
+from typing import NoReturn
 
 from rosbase.errors import ConfigurationError, ParameterError
 from rosbase.parameters import (
     ParameterSpec,
     ParameterValue,
     did_you_mean,
-    from_outside,
-    parse_text,
 )
-from rosbase.program.files import read_toml
+from rosbase.parameters.given import GivenValue, read_value, values_of
+from rosbase.program.files import read_file, read_toml
 from rosbase.text.printable import MOST_LINE, one_line
 
 __all__ = [
-    "Given",
     "OneLineParser",
     "add_device_arguments",
     "add_parameters",
@@ -87,35 +83,33 @@ def add_parameters(parser: argparse.ArgumentParser) -> None:
         help="set a parameter, such as device_path:=/dev/ttyUSB0",
     )
     parser.add_argument(
-        "--params-file", type=Path, metavar="FILE", help="set parameters from a TOML file"
+        "--params-file",
+        type=Path,
+        metavar="FILE",
+        help="set parameters from a TOML file, or a YAML file of ROS 2",
     )
 
 
-@frozen
-class Given:
-    """A value from a user, not yet checked."""
+def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, GivenValue]:
+    """Return the values in a file and in `name:=value` assignments, by name; assignments win.
 
-    value: Any
-    is_text: bool
-    """Whether it was typed after `:=`, so that it must be parsed first."""
-
-
-def read_given(assignments: Iterable[str], file: Path | None) -> dict[str, Given]:
-    """Return the values in a TOML file and in `name:=value` assignments, by name; assignments win.
+    In a YAML file of ROS 2, they are those of the reader's node.
 
     Raises:
         ConfigurationError: The file cannot be read, or an assignment is not one.
     """
-    given = {name: Given(value, is_text=False) for name, value in _read_file(file).items()}
+    given = _read_file(file)
     for assignment in assignments:
         name, separator, text = assignment.partition(":=")
         if not separator:
             raise ParameterError(f"-p takes name:=value, not {assignment!r}")
-        given[name.strip()] = Given(text, is_text=True)
+        given[name.strip()] = GivenValue("", name.strip(), text, "text")
     return given
 
 
-def with_spellings(given: Mapping[str, Given], spellings: Mapping[str, str]) -> dict[str, Given]:
+def with_spellings(
+    given: Mapping[str, GivenValue], spellings: Mapping[str, str]
+) -> dict[str, GivenValue]:
     """Return the given values by parameter name; `spellings` has other accepted names.
 
     Raises:
@@ -128,7 +122,7 @@ def with_spellings(given: Mapping[str, Given], spellings: Mapping[str, str]) -> 
 
 
 def check_given(
-    specs: Iterable[ParameterSpec], given: Mapping[str, Given]
+    specs: Iterable[ParameterSpec], given: Mapping[str, GivenValue]
 ) -> dict[str, ParameterValue]:
     """Return the checked values of the given parameters.
 
@@ -136,10 +130,7 @@ def check_given(
         ParameterError: A name is unknown, or a value is invalid for its parameter.
     """
     known = {spec.name: spec for spec in specs}
-    return {
-        name: (parse_text if item.is_text else from_outside)(_spec(known, name), item.value)
-        for name, item in given.items()
-    }
+    return {name: read_value(_spec(known, name), item) for name, item in given.items()}
 
 
 def as_text(value: ParameterValue) -> str:
@@ -157,12 +148,15 @@ def _spec(known: Mapping[str, ParameterSpec], name: str) -> ParameterSpec:
     raise ParameterError(f"unknown parameter {name!r}{did_you_mean(name, known)}")
 
 
-def _read_file(file: Path | None) -> dict[str, Any]:
+def _read_file(file: Path | None) -> dict[str, GivenValue]:
     if file is None:
         return {}
-    try:
-        return read_toml(file)
-    except ConfigurationError as error:
-        is_of_ros = file.suffix in (".yaml", ".yml") and file.exists()
-        hint = "; a parameter file of ROS is given behind --ros-args" if is_of_ros else ""
-        raise ConfigurationError(f"{error}{hint}") from error
+    if file.suffix not in (".yaml", ".yml"):
+        return {name: GivenValue("", name, v, "typed") for name, v in read_toml(file).items()}
+    # Only now: other commands need no reader.
+    from rosbase.imu.reader import DEFAULT_NODE_NAME  # noqa: PLC0415 - as said
+
+    found = values_of(read_file(file), DEFAULT_NODE_NAME)
+    if not found:
+        raise ConfigurationError(f"{file} has no parameters for /{DEFAULT_NODE_NAME}")
+    return found

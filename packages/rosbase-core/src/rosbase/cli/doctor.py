@@ -48,7 +48,7 @@ def _context(registry: PluginRegistry, arguments: argparse.Namespace) -> CheckCo
     given = read_given(arguments.assignments, arguments.params_file)
     if "comm_t" in given:
         # First, because a transport that is not installed leaves its parameters unknown.
-        registry.transport(str(given["comm_t"].value))
+        registry.transport(given["comm_t"].text)
     specs = reader_parameters(registry)
     values = {spec.name: spec.default for spec in specs} | check_given(specs, given)
     return CheckContext(SystemClock(), values, frozenset(given))

@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     given = with_spellings(read_given(arguments.assignments, arguments.params_file), _SPELLINGS)
     # First, because a transport that is not installed leaves its parameters unknown.
-    registry.transport(str(given["comm_t"].value) if "comm_t" in given else DEFAULT_TRANSPORT)
+    registry.transport(given["comm_t"].text if "comm_t" in given else DEFAULT_TRANSPORT)
     manager = ReaderManager(
         check_given(specs, given),
         log,

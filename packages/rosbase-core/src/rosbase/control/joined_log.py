@@ -9,47 +9,56 @@ if TYPE_CHECKING:
     from rosbase.control.shapes import LogRecord, Process
     from rosbase.control.watching import Watch
 
-__all__ = ["joined"]
+__all__ = ["Repeats", "joined"]
 
 _MOST_OPEN = 10_000
 
 
-def joined(watch: Watch, processes: Iterable[Process], last: int | None) -> Iterator[LogRecord]:
+def joined(watch: Watch, repeats: Repeats, last: int | None) -> Iterator[LogRecord]:
     """Yield the records that programs have kept, in the order of time, and then those that come.
 
     Args:
         watch: The log of each program.
-        processes: The programs.
+        repeats: Knows the programs.
         last: How many of the kept records, from the end; None for all.
     """
-    expected = sum(stream.answer.get("count", 0) for stream in watch.streams)
-    repeats = _Repeats(processes)
+    expected = {s.connection.pid: s.answer.get("count", 0) for s in watch.streams}
+    is_kept = any(expected.values())
     kept: list[LogRecord] = []
     for record in watch.pid_events():
-        if expected == 0:
+        if not is_kept:
             if not repeats.has(record):
                 yield record
             continue
         kept.append(record)
-        expected -= 1
-        if expected == 0:
+        expected[record["pid"]] = expected.get(record["pid"], 0) - 1
+        # One that has ended in between sends no more.
+        if not any(expected.get(stream.connection.pid, 0) > 0 for stream in watch.streams):
+            is_kept = False
             yield from _newest(kept, repeats, last)
-    if expected > 0:
-        # A program has ended in between.
+    if is_kept:
         yield from _newest(kept, repeats, last)
 
 
-def _newest(kept: list[LogRecord], repeats: _Repeats, last: int | None) -> list[LogRecord]:
+def _newest(kept: list[LogRecord], repeats: Repeats, last: int | None) -> list[LogRecord]:
     kept.sort(key=lambda record: record["stamp_ns"])
     found = [record for record in kept if not repeats.has(record)]
     return found if last is None else found[max(0, len(found) - last) :]
 
 
-class _Repeats:
+class Repeats:
     """Knows the records that a manager repeats, with the name of the child that logged them."""
 
     def __init__(self, processes: Iterable[Process]) -> None:
-        known = {process["pid"]: process for process in processes}
+        self._processes: dict[int, Process] = {}
+        # Texts of children, each with how often it was seen and not yet repeated.
+        self._open: dict[tuple[int, str], int] = {}
+        self.add(processes)
+
+    def add(self, processes: Iterable[Process]) -> None:
+        """Know more programs."""
+        self._processes.update({process["pid"]: process for process in processes})
+        known = self._processes
         self._children = {
             pid: {child["name"]: child["pid"] for child in program["children"]}
             for pid, process in known.items()
@@ -59,8 +68,6 @@ class _Repeats:
         self._parents = {
             child for children in self._children.values() for child in children.values()
         }
-        # Texts of children, each with how often it was seen and not yet repeated.
-        self._open: dict[tuple[int, str], int] = {}
 
     def has(self, record: LogRecord) -> bool:
         """Return whether the record repeats one that was seen before."""

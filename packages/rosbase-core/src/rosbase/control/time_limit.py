@@ -12,11 +12,16 @@ class TimeLimit:
         """Start now; None is without a limit."""
         self._end_ns = None if seconds is None else time.monotonic_ns() + int(seconds * 1e9)
 
-    def restart(self, seconds: float) -> None:
-        """Have it end this much later, or from now on if that is over already."""
+    def restart(self, seconds: float, *, behind_s: float = 0.0) -> None:
+        """Have it end this much later, or from now on if that is over already.
+
+        Args:
+            seconds: How much later.
+            behind_s: How long it may be over already, to catch up with a rate.
+        """
         now_ns = time.monotonic_ns()
         end_ns = now_ns if self._end_ns is None else self._end_ns
-        self._end_ns = max(end_ns + int(seconds * 1e9), now_ns)
+        self._end_ns = max(end_ns + int(seconds * 1e9), now_ns - int(behind_s * 1e9))
 
     @property
     def left_s(self) -> float | None:

@@ -8,7 +8,7 @@ an environment variable, so its child processes have them too.
 import json
 import os
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any, Literal
 
 from attrs import define, evolve, field, frozen
@@ -25,6 +25,8 @@ __all__ = [
     "GivenValue",
     "are_inherited",
     "given_parameters",
+    "read_value",
+    "values_of",
 ]
 
 GIVEN_VARIABLE = "ROSBASE_PARAMETERS"
@@ -52,6 +54,11 @@ class GivenValue:
     """
     form: Literal["text", "typed", "yaml"]
     """Whether it was typed after `:=`, comes from TOML, or is written in YAML."""
+
+    @property
+    def text(self) -> str:
+        """The value as text, without quotes."""
+        return str(self.value["text"] if isinstance(self.value, dict) else self.value)
 
 
 @define
@@ -110,7 +117,7 @@ class GivenParameters:
         if last is None:
             return None
         try:
-            return _read(evolve(spec, name=full[0]), self.values[last])
+            return read_value(evolve(spec, name=full[0]), self.values[last])
         except ParameterError as error:
             raise GivenParameterError(str(error)) from error
 
@@ -200,7 +207,19 @@ def _matches(pattern: str, node: str) -> bool:
     return any(re.fullmatch(form, one) for one in {full, f"/{_base(full)}"})
 
 
-def _read(spec: ParameterSpec, given: GivenValue) -> ParameterValue:
+def values_of(values: Iterable[GivenValue], node: str) -> dict[str, GivenValue]:
+    """Return the values that a file has for a node, by name; its own win over `/**`."""
+    values = list(values)
+    general = {given.name: given for given in values if given.node in _ANY}
+    return general | {given.name: given for given in values if _is_section_of(given, [node])}
+
+
+def read_value(spec: ParameterSpec, given: GivenValue) -> ParameterValue:
+    """Return a given value as the parameter takes it.
+
+    Raises:
+        ParameterError: It is not a value of the parameter's type.
+    """
     if given.form == "text":
         return parse_text(spec, given.value)
     if given.form == "typed":

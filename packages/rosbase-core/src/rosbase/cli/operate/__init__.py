@@ -28,6 +28,9 @@ def run(words: list[str]) -> int:
     0 is success; 1: something was not found, was refused or failed; 2: a usage error;
     130: Ctrl-C.
     """
+    if not _prepare_streams():
+        _complain("cannot write: stdout is closed")
+        return 1
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -50,6 +53,19 @@ def run(words: list[str]) -> int:
         _complain(f"cannot write: {error.strerror}")
         return 1
     return status
+
+
+def _prepare_streams() -> bool:
+    """Have any text printed without an error; return whether there is a place to print it."""
+    if sys.stderr is None:
+        # `print` would take stdout instead.
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - until the end
+    if sys.stdout is None:
+        return False
+    if sys.stdout.errors == "strict" and hasattr(sys.stdout, "reconfigure"):
+        # Not every text of a program is in every character set, as for stderr.
+        sys.stdout.reconfigure(errors="backslashreplace")
+    return True
 
 
 def _run(words: list[str]) -> int:

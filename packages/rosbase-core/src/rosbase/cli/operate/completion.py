@@ -60,6 +60,9 @@ end
 complete -c rosbase -e
 complete -c rosbase -f -a '(__rosbase_complete)'
 """
+# Commands of plugins whose arguments are files, and options whose values are.
+_OF_FILES = ("run", "up")
+_FILE_FLAGS = ("--params-file", "--log-file")
 _SCRIPTS = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
 
 
@@ -97,9 +100,13 @@ def _candidates(before: list[str], current: str) -> Iterable[tuple[str, str]]:
         options,
     )
 
+    if not before and current.startswith("-"):
+        return [("--help", "show the commands and end"), ("--version", "print the version and end")]
     if not before:
         ours = [(name, entry.summary) for name, entry in GROUPS.items()]
         return sorted({**dict(ours), **commands()}.items())
+    if not current.startswith("-") and (before[0] in _OF_FILES or before[-1] in _FILE_FLAGS):
+        return _names("files", [], None, current)
     return options(before[0])
 
 

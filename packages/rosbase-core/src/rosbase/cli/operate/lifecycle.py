@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = ["change_state", "show_nodes", "show_state", "show_transitions"]
 
+_MOST_DIGITS = 9
+
 
 def show_nodes(given: Any) -> None:
     """Print the names of the lifecycle nodes, one a line."""
@@ -46,7 +48,9 @@ def change_state(given: Any) -> int:
     questions = LifecycleQuestions(given.program)
     wanted = given.transition
     try:
-        result = questions.change_state(given.node, int(wanted) if wanted.isdecimal() else wanted)
+        # Ids are of one byte, and Python reads no number of thousands of digits.
+        is_id = wanted.isdecimal() and len(wanted) <= _MOST_DIGITS
+        result = questions.change_state(given.node, int(wanted) if is_id else wanted)
     except ControlError as error:
         if error.kind != "refused":
             raise

@@ -6,16 +6,19 @@ The rules for long lists and texts are those of rosidl_runtime_py (`message_to_y
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, isnan
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-__all__ = ["Limits", "as_csv", "as_json", "shortened", "writer_for"]
+__all__ = ["Limits", "as_csv", "as_json", "harmless", "shortened", "writer_for"]
 
 _CUT = "..."
+# As `ros2 topic echo` has it.
+_MOST_SHOWN = 128
+_QUOTED = frozenset(',"\n')
 
 
 class Limits:
@@ -34,8 +37,12 @@ class Limits:
 
 def writer_for(given: Any) -> Callable[[Any], str]:
     """Return the function that writes a message, or a field of one, as the options say."""
+    length = given.truncate_length
+    if length is None and not given.json and not given.csv:
+        # What other programs read is complete, unless the user wants it short.
+        length = _MOST_SHOWN
     limits = Limits(
-        None if given.full_length else given.truncate_length,
+        None if given.full_length else length,
         no_lists=given.no_arr,
         no_texts=given.no_str,
     )
@@ -50,13 +57,13 @@ def writer_for(given: Any) -> Callable[[Any], str]:
         value = shortened(value, limits)
         if isinstance(value, dict):
             return f"{as_yaml(value, flow=given.flow_style)}---\n"
-        return f"{_one_line(value)}\n---\n"
+        return f"{harmless(value)}\n---\n"
 
     return write
 
 
-def _one_line(value: Any) -> str:
-    """Return a field that is no message, safe for a terminal."""
+def harmless(value: Any) -> str:
+    """Return a value that is no message as text that is safe for a terminal."""
     text = str(value)
     if all(character in "\n\t" or character.isprintable() for character in text):
         return text
@@ -89,7 +96,10 @@ def _short_text(text: str, limits: Limits) -> str:
 
 
 def as_csv(value: Any, limits: Limits) -> str:
-    """Return all values of a message, one after the other, with commas between them."""
+    """Return all values of a message, one after the other, with commas between them (RFC 4180).
+
+    `ros2` leaves out the quotes, so that nobody can read back a text with a comma.
+    """
     if isinstance(value, dict):
         return ",".join(as_csv(one, limits) for one in value.values())
     if isinstance(value, (list, tuple, memoryview, bytes)):
@@ -97,11 +107,18 @@ def as_csv(value: Any, limits: Limits) -> str:
             return str(shortened(value, limits))
         parts = [as_csv(one, limits) for one in value[: limits.length]]
         return ",".join([*parts, _CUT] if len(parts) < len(value) else parts)
-    return _one_line(_short_text(value, limits) if isinstance(value, str) else value)
+    text = harmless(_short_text(value, limits) if isinstance(value, str) else value)
+    if _QUOTED.isdisjoint(text):
+        return text
+    return '"' + text.replace('"', '""') + '"'
 
 
 def as_json(value: Any, limits: Limits) -> str:
-    """Return a message as one line of JSON; numbers that JSON cannot carry are null."""
+    """Return a message as one line of JSON.
+
+    Numbers that JSON cannot carry are the texts NaN, Infinity and -Infinity, as in the JSON of
+    Protocol Buffers. `float` of Python and `Number` of JavaScript read them.
+    """
     # YAML needs it not.
     import json
 
@@ -113,4 +130,6 @@ def _for_json(value: Any) -> Any:
         return {name: _for_json(one) for name, one in value.items()}
     if isinstance(value, list):
         return [_for_json(one) for one in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
+    if isinstance(value, float) and not isfinite(value):
+        return "NaN" if isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value

@@ -11,7 +11,7 @@ from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from typing import Any
 
     from rosbase.control.watching import Heard
@@ -20,6 +20,7 @@ __all__ = ["bandwidth", "delay", "echo", "rate"]
 
 # Messages that wait in the program, such as for a terminal that stops for a moment.
 _MOST_WAITING = 1_000
+_MOST_DIGITS = 9
 
 
 def echo(given: Any) -> int:
@@ -54,12 +55,26 @@ def _check_type(questions: TopicQuestions, given: Any) -> None:
 
 def _shown(heard: Heard, field: str | None, write: Callable[[Any], str]) -> str:
     value: Any = heard.message
-    for name in field.split(".") if field else ():
+    for name in field.replace("[", ".[").split(".") if field else ():
+        if name.startswith("[") and isinstance(value, (tuple, list, memoryview)):
+            value = _element(value, name, heard.type, field)
+            continue
         if not isinstance(value, dict) or name not in value:
             known = f"; there are: {', '.join(value)}" if isinstance(value, dict) else ""
             raise ControlError(f"{heard.type} has no field {field}{known}", "unknown")
         value = value[name]
     return write(value)
+
+
+def _element(values: Sequence[Any], index: str, kind: str, field: str | None) -> Any:
+    """Return the element of a list that a part of a field such as `[3]` names."""
+    digits = index[1:-1]
+    if not index.endswith("]") or not digits.isdecimal() or len(digits) > _MOST_DIGITS:
+        raise ControlError(f"{kind} has no field {field}: {index} is no index", "unknown")
+    if int(digits) >= len(values):
+        text = f"{kind} has no field {field}: the list has {len(values)} elements"
+        raise ControlError(text, "unknown")
+    return values[int(digits)]
 
 
 def _nothing(given: Any) -> int:

@@ -1,6 +1,6 @@
 """The values that a parameter file has for a node that runs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,12 @@ __all__ = ["values_in"]
 
 
 def values_in(
-    file: str, node: str, types: Mapping[str, str], *, wildcards: bool
+    file: str,
+    names: Sequence[str],
+    managers: Sequence[str],
+    types: Mapping[str, str],
+    *,
+    wildcards: bool,
 ) -> tuple[dict[str, Any], list[str]]:
     """Return the values of a node's parameters in a file, and a line for each unknown parameter.
 
@@ -21,7 +26,8 @@ def values_in(
 
     Args:
         file: Path of the file.
-        node: Full name of the node.
+        names: Names of the node, the one for messages first.
+        managers: Names of its manager, if it shares the connection of one.
         types: Types of its parameters, by name.
         wildcards: Whether to take the values for every node too.
 
@@ -36,12 +42,12 @@ def values_in(
     for name, kind in types.items():
         spec = ParameterSpec(name, "", kind=ParameterKind[kind.upper()])
         try:
-            value = values.value_for(spec, [node])
+            value = values.value_for(spec, names, managers)
         except GivenParameterError as error:
             raise ControlError(str(error), "invalid") from error
         if value is not None:
             found[name] = _plain(value)
-    return found, values.unused(only_for=node)
+    return found, values.unused(only_for=names[0])
 
 
 def _plain(value: Any) -> Any:

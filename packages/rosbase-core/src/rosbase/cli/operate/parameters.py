@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from rosbase.cli.operate.message_text import harmless
 from rosbase.cli.operate.reading import UsageError
 from rosbase.control.questions.parameters import ParameterQuestions
 from rosbase.errors import ConfigurationError, ControlError
@@ -50,9 +51,9 @@ def show_value(given: Any) -> None:
     if label is None:
         print("Parameter not set.")
     elif given.hide_type:
-        print(one["value"])
+        print(harmless(one["value"]))
     else:
-        print(label, one["value"])
+        print(label, harmless(one["value"]))
 
 
 def set_values(given: Any) -> int:
@@ -60,6 +61,10 @@ def set_values(given: Any) -> int:
     words = given.name_and_value
     if len(words) % 2:
         raise UsageError("give names and values in turn: NAME VALUE [NAME VALUE ...]")
+    try:
+        " ".join(words).encode()
+    except UnicodeEncodeError as error:
+        raise UsageError("a name or a value is not UTF-8") from error
     values = {name: {"text": text} for name, text in zip(words[::2], words[1::2], strict=True)}
     questions = ParameterQuestions(given.program)
     results = questions.set_parameters(given.node, values, atomically=given.atomic)
@@ -114,7 +119,7 @@ def dump(given: Any) -> None:
     for name, one in sorted(questions.typed_parameters(given.node).items()):
         if one["value"] is not None:
             _insert(nested, name, one["value"])
-    full = f"/{given.node.lstrip('/')}"
+    (full, *_), _ = questions.names_in_files(given.node)
     print(as_yaml({full: {"ros__parameters": nested}}, sort_keys=True))
 
 
@@ -133,16 +138,17 @@ def load(given: Any) -> int:
     from rosbase.cli.operate.parameter_files import values_in
 
     questions = ParameterQuestions(given.program)
-    node, names = next(iter(questions.parameter_names(given.node).items()))
-    known = questions.typed_parameters(given.node, names)
-    described = questions.describe_parameters(given.node, names)
+    names, managers = questions.names_in_files(given.node)
+    known = questions.typed_parameters(given.node)
+    described = questions.describe_parameters(given.node, known)
     types = {name: one["type"] for name, one in known.items()}
+    wildcards = not given.no_use_wildcard
     try:
-        values, unknown = values_in(given.file, node, types, wildcards=not given.no_use_wildcard)
+        values, unknown = values_in(given.file, names, managers, types, wildcards=wildcards)
     except ConfigurationError as error:
         raise UsageError(str(error)) from error
     if not values and not unknown:
-        raise ControlError(f"{given.file} has no parameters for {node}", "unknown")
+        raise ControlError(f"{given.file} has no parameters for {names[0]}", "unknown")
     # What `param dump` prints has read-only parameters too, which have that value already.
     values = {
         name: value

@@ -1,9 +1,17 @@
 """Read a command line by the table of commands. Pure."""
 
+from __future__ import annotations
+
 from rosbase.cli.operate.entries import Command, Group, Option
 from rosbase.cli.operate.words import GROUPS, all_options
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 __all__ = ["Given", "UsageError", "WantsHelp", "find", "read"]
+
+_MOST_DIGITS = 18
 
 
 class UsageError(Exception):
@@ -76,7 +84,7 @@ def _read_options(command: Command, words: list[str], values: dict[str, object])
         word = words.pop(0)
         if word == "--":
             return arguments + words
-        if not word.startswith("-") or word == "-" or _is_number(word):
+        if not word.startswith("-") or word == "-" or _is_value(word, known):
             arguments.append(word)
             continue
         if word in ("-h", "--help"):
@@ -84,6 +92,14 @@ def _read_options(command: Command, words: list[str], values: dict[str, object])
         for flag, attached in _flags(word, known):
             _keep(known[flag], flag, attached, words, values)
     return arguments
+
+
+def _is_value(word: str, known: Mapping[str, Option]) -> bool:
+    """Return whether a word with a dash in front is a number, such as `-5`, `-.inf` or `-0x10`.
+
+    Some commands have an option `-1`.
+    """
+    return word[:2] not in known and (word[1].isdecimal() or word[1] == "." or _is_number(word))
 
 
 def _flags(word: str, known: dict[str, Option]) -> list[tuple[str, str | None]]:
@@ -144,8 +160,9 @@ def _of_kind(option: Option, flag: str, text: str) -> object:
             raise UsageError(f"{flag}: '{text}' is not a positive number")
         return number
     least = 1 if option.kind == "whole" else 0
-    if not text.isdecimal() or int(text) < least:
-        raise UsageError(f"{flag}: '{text}' is not a whole number from {least} up")
+    # Python reads no number of thousands of digits.
+    if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < least:
+        raise UsageError(f"{flag}: '{text[:80]}' is not a whole number from {least} up")
     return int(text)
 
 

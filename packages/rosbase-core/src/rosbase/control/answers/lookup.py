@@ -71,7 +71,11 @@ def _only(
         raise _unknown("node", name, names)
     if len(found) > 1:
         owners = [f"{program.name} ({program.class_name})" for program, _ in found]
-        raise ControlError(f"several programs have a node {name}", "ambiguous", owners)
+        text = (
+            f"node {name} is in {len(found)} programs of one process: {', '.join(owners)}; "
+            "give each of them a name of its own"
+        )
+        raise ControlError(text, "ambiguous", owners)
     return found[0]
 
 

@@ -26,7 +26,9 @@ def _list(__: Session, request: Request) -> dict[str, Any]:
     name = request.text("node", "")
     if name:
         _, node = find_node(name)
-        return {"nodes": {node.name: connection_of(node).parameter_names()}}
+        # The names of a plain node are relative to its key.
+        known_as = node.name if name in (node.name, node.name.lstrip("/")) else name
+        return {"nodes": {known_as: connection_of(node).parameter_names()}}
     # Plain nodes share the name of their manager, which has their parameters.
     found: dict[str, list[str]] = {}
     for program, node in all_nodes():

@@ -7,7 +7,7 @@ from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from typing import Any
 
     from rosbase.control.gathering import Ask
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rosbase.control.time_limit import TimeLimit
 
 __all__ = ["Questions", "label"]
+
+_MOST_DIGITS = 18
 
 
 def label(process: Process) -> str:
@@ -88,9 +90,19 @@ class Questions:
         """
         if self._program is None:
             return None
-        if isinstance(self._program, int) or self._program.isdecimal():
+        if self._is_one_process():
             return [int(self._program)]
-        return [self._named(self._program)["pid"]]
+        return [self._named(str(self._program))["pid"]]
+
+    def _is_one_process(self) -> bool:
+        """Return whether a process was chosen by its pid."""
+        return self._program is not None and _is_pid(str(self._program))
+
+    def _is_meant(self, process: Process) -> bool:
+        """Return whether a process is the chosen one, or has the chosen program."""
+        if self._program is None or self._is_one_process():
+            return self._program is None or process["pid"] == int(self._program)
+        return str(self._program).lstrip("/") in _names_of(process)
 
     def _named(self, name: str) -> Process:
         """Return the process with a program of that name, or that pid."""
@@ -98,7 +110,7 @@ class Questions:
         replies = gather(asks, self._timeout_s, None, self._on_silent, self._silent_until)
         found = [reply.answers[0] for reply in replies]
         processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
-        if name.isdecimal():
+        if _is_pid(name):
             those = [p for p in processes if p["pid"] == int(name)]
         else:
             wanted = name.lstrip("/")
@@ -110,7 +122,7 @@ class Questions:
 
         if not those:
             known = [n for p in processes for n in (*_names_of(p), str(p["pid"]))]
-            raise names.unknown("program", name, known)
+            raise self._explained(names.unknown("program", name, known), known)
         raise ControlError(
             f"{len(those)} programs are named {name}: {', '.join(map(label, those))}; "
             "choose one by the number of its process",
@@ -131,13 +143,33 @@ class Questions:
         Raises:
             ControlError: None has it, or several have.
         """
-        full = name if name.startswith("/") else f"/{name}"
+        full = name if name in owners or name.startswith("/") else f"/{name}"
         pids = set(owners.get(full, ()))
         if len(pids) == 1:
             return full, pids.pop()
         from rosbase.control import names
 
-        return names.one_of(kind, name, owners, self._labels() if pids else {})
+        try:
+            return names.one_of(kind, name, owners, self._labels() if pids else {})
+        except ControlError as error:
+            raise self._explained(error, owners) from None
+
+    def _explained(self, error: ControlError, known: Collection[str]) -> ControlError:
+        """Return the error for a name, with the reason if there are no names at all."""
+        if error.kind != "unknown" or known:
+            return error
+        head = str(error).partition("; ")[0]
+        if any(not limit.is_over for limit in self._silent_until.values()):
+            return ControlError(f"{head} among the programs that answer", "unknown")
+        if not self.processes():
+            return ControlError(f"{head}; no program runs", "unknown")
+        return error
+
+
+def _is_pid(name: str) -> bool:
+    """Return whether a name is the number of a process."""
+    # Python reads none of thousands of digits.
+    return name.isdecimal() and len(name) <= _MOST_DIGITS
 
 
 def _names_of(process: Process) -> list[str]:

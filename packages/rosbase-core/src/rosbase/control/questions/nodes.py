@@ -52,6 +52,8 @@ class NodeQuestions(Questions):
             if node["key"]:
                 keys.setdefault(node["key"], []).append(node["pid"])
         full = name if name.startswith("/") else f"/{name}"
-        if full not in owners and len(set(keys.get(name, ()))) == 1:
-            return name, keys[name][0]
-        return self._one("node", name, owners)
+        if full not in owners and name in keys:
+            return self._one("node", name, keys)
+        # Of a key and a name that are alike, one is enough for a suggestion.
+        others = {key: pids for key, pids in keys.items() if f"/{key}" not in owners}
+        return self._one("node", name, {**others, **owners})

@@ -34,6 +34,24 @@ class ParameterQuestions(NodeQuestions):
                 everything[name] = sorted({*everything.get(name, ()), *names})
         return dict(sorted(everything.items()))
 
+    def names_in_files(self, node: str) -> tuple[list[str], list[str]]:
+        """Return the names that a node has in parameter files, and those of its manager.
+
+        The first one is the name for messages. Only a plain node, which is found by its key, has
+        its parameters among those of its manager.
+
+        Raises:
+            ControlError: No program has the node, or several have.
+        """
+        nodes = self.nodes()
+        known_as, pid = self._node_among(node, nodes)
+        for one in nodes:
+            if one["pid"] == pid and one["key"] == known_as:
+                is_plain = one["name"] == one["program"]
+                own = [f"/{known_as}"]
+                return (own, [one["name"]]) if is_plain else ([one["name"], *own], [])
+        return [known_as], []
+
     def get_parameters(self, node: str, names: Iterable[str] | None = None) -> dict[str, Any]:
         """Return the values of parameters by name: of all, or of some.
 

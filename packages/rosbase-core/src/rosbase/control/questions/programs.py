@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rosbase.control.folder import sockets
 from rosbase.control.gathering import ask_one, connect_to
 from rosbase.control.questions.base import Questions, label
 from rosbase.control.time_limit import TimeLimit
@@ -9,11 +10,13 @@ from rosbase.errors import ControlError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from typing import Any
 
     from rosbase.control.gathering import Ask
+    from rosbase.control.joined_log import Repeats
     from rosbase.control.shapes import Launched, LogRecord, Process, Statistics
+    from rosbase.control.watching import Watch
 
 __all__ = ["ProgramQuestions"]
 
@@ -38,20 +41,51 @@ class ProgramQuestions(Questions):
         Args:
             level: The least level, a number of `logging`.
             last: How many records from the end; None for all that the programs have kept.
-            follow: Whether to go on with new records, until the programs have ended.
+            follow: Whether to go on with new records, also of programs that start later. The
+                iterator then ends only if one process was chosen, by its pid, and has ended.
+
+        Raises:
+            ControlError: The chosen program does not run, or a program could not send its log.
         """
-        from rosbase.control.joined_log import joined
+        from rosbase.control.joined_log import Repeats, joined
         from rosbase.control.watching import Watch
 
         processes = self.processes()
-        arguments: dict[str, object] = {"level": level, "follow": follow}
-        if last is not None:
-            arguments["last"] = last
-        watch = Watch([process["pid"] for process in processes], "log", arguments)
+        arguments: dict[str, Any] = {"level": level, "follow": follow}
+        first = arguments if last is None else {**arguments, "last": last}
+        watch = Watch([process["pid"] for process in processes], "log", first)
+        repeats = Repeats(processes)
+        if follow and not self._is_one_process():
+            watch.look = self._newcomers(watch, repeats, arguments)
         try:
-            yield from joined(watch, processes, last)
+            yield from joined(watch, repeats, last)
+            watch.check_ends()
         finally:
             watch.close()
+
+    def _newcomers(
+        self, watch: Watch, repeats: Repeats, arguments: dict[str, Any]
+    ) -> Callable[[], None]:
+        """Return a function that adds the logs of programs that have started meanwhile."""
+        known = {stream.connection.pid for stream in watch.streams}
+
+        def look() -> None:
+            new = {pid for pid, _ in sockets()} - known
+            if not new:
+                return
+            known.update(new)
+            # With the others, because a program may be a child of another.
+            processes = Questions(None, self._timeout_s, self._on_silent).processes()
+            repeats.add(processes)
+            for process in processes:
+                if process["pid"] in new and self._is_meant(process):
+                    try:
+                        watch.add(process["pid"], "log", arguments)
+                    except ControlError:
+                        # It has ended already.
+                        continue
+
+        return look
 
     def processes_and_launched(self) -> tuple[list[Process], list[Launched]]:
         """Return what `processes` and `launched` do, of the same moment."""

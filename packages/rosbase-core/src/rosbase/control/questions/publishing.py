@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosbase.control.gathering import connect_to
+from rosbase.control.gathering import ask_one, connect_to
 from rosbase.control.names import full_type
 from rosbase.control.questions.topics import TopicQuestions
 from rosbase.errors import ControlError
@@ -129,6 +129,15 @@ class PublishQuestions(TopicQuestions):
         ends = {end["pid"] for end in [*topic["publishers"], *topic["subscriptions"]]}
         there = hearing[0].pids & (subscribed or ends)
         return topic["name"], min(there)
+
+    def type_known_to(self, pid: int, message_type: str) -> dict[str, Any]:
+        """Return a type with its schema, as a program knows it.
+
+        Raises:
+            ControlError: It does not know the type.
+        """
+        found: dict[str, Any] = ask_one(pid, "topic.type", {"type": full_type(message_type)})[0]
+        return found
 
     def _only_pid(self) -> int:
         chosen = self._chosen() or []

@@ -48,7 +48,7 @@ class TopicQuestions(Questions):
             # Only after a mistake.
             from rosbase.control.names import unknown
 
-            raise unknown("topic", name, topics)
+            raise self._explained(unknown("topic", name, topics), topics)
         return topics[full]
 
     def buses_of(self, topic: Topic) -> list[Bus]:
