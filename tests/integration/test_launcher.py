@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -207,6 +208,40 @@ sessions:
         connect().stop("/left")
         token.wait_until_gone()
         wait_until_gone(tmp_path)
+
+
+@needs_tmux
+def test_tmux_takes_no_name_and_no_folder_for_a_command(tmp_path: Path, tmux: OwnTmux) -> None:
+    folder = tmp_path / "#(touch ${PWD}folder)100%;"
+    folder.mkdir()
+    names = ["A#(touch${IFS}pane)", "B#S", "C;", "##{pid}"]
+    nodes = "".join(f"  - {{name: '{name}', command: pwd}}\n" for name in names)
+    session = (
+        'env: {session_name: "$1#(touch x)\\t#{pid};", workspace_root: \'' + folder.name + "'}\n"
+    )
+    text = (
+        f"{session}nodes:\n{nodes}  - {{name: last, command: 'true', after: {{B#S: 'log: 100'}}}}\n"
+    )
+    # A short one, because a socket is in it.
+    with (
+        tempfile.TemporaryDirectory(prefix="#S%d") as temporary,
+        up(
+            tmp_path,
+            text,
+            "--tmux",
+            name="robot.yaml",
+            environment=tmux.environment | {"TMPDIR": temporary},
+        ) as (launcher, _),
+    ):
+        assert launcher.end() == 0, launcher.said
+        name = "_1__touch_x____pid__"
+        assert launcher.said == [f"{name}: tmux attach -t {name}"]
+        tmux.waits_for(name, dict.fromkeys([*names, "last"], "0"))
+        assert str(folder) in tmux.text(name, 0).replace("\n", "")
+        wait_until_gone(tmp_path)
+    assert not list(folder.iterdir())
+    names = [file.name for file in tmp_path.iterdir() if not file.name.startswith("tmux-")]
+    assert sorted(names) == [folder.name, "robot.yaml"]
 
 
 @needs_tmux

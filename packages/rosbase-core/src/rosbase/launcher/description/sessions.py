@@ -1,5 +1,6 @@
 """A whole description, from the tree of a file: sessions, and the programs within."""
 
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -18,8 +19,9 @@ __all__ = ["ENV_KEYS", "read_description"]
 _SESSION_KEYS = ("env", "nodes")
 ENV_KEYS = ("session_name", "workspace_root", "ros_setup", "conda_env")
 """Keys of the `env` of a session."""
-# A window of tmux is called session:window.pane.
-_AS_TMUX = str.maketrans(".: ", "___")
+# A window of tmux is called session:window.pane, `$1` is a session by its number, and a shell reads
+# the name in `tmux attach -t NAME`.
+_NOT_OF_TMUX = re.compile(r"[^\w-]")
 
 
 def read_description(tree: Value, folder: Path, stem: str, faults: Faults) -> Description:
@@ -56,7 +58,7 @@ def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Sess
 def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -> Session:
     fields = Fields(value, what, _SESSION_KEYS, faults)
     env = Fields(fields.value("env") or Value({}, fields.line), "env", ENV_KEYS, faults)
-    name = env.text("session_name", stem).translate(_AS_TMUX) or stem
+    name = _NOT_OF_TMUX.sub("_", env.text("session_name") or stem)
     workspace = folder / Path(env.text("workspace_root", ".")).expanduser()
     nodes = fields.items("nodes", "a list of programs")
     if isinstance(value.data, dict) and "nodes" not in fields:

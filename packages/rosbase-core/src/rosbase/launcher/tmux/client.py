@@ -45,8 +45,8 @@ class Tmux:
 
     def new_session(self, session: str, folder: str, command: str) -> Pane:
         """Open a detached session with one window and one pane that runs a command."""
-        name = ("-d", "-s", session, "-n", _WINDOW)
-        pane = self._pane("new-session", *name, *_SIZE, "-c", folder, *_PANE, command)
+        name = ("-d", "-s", _literal(session), "-n", _WINDOW)
+        pane = self._pane("new-session", *name, *_SIZE, "-c", _literal(folder), *_PANE, command)
         for option, value in (
             ("remain-on-exit", "on"),
             ("allow-rename", "off"),
@@ -60,14 +60,14 @@ class Tmux:
     def add_pane(self, session: str, folder: str, command: str) -> Pane:
         """Open one more pane in the window of a session."""
         window = f"={session}:{_WINDOW}"
-        pane = self._pane("split-window", "-t", window, "-c", folder, *_PANE, command)
+        pane = self._pane("split-window", "-t", window, "-c", _literal(folder), *_PANE, command)
         # After each, so that there is room for the next one.
         self.run("select-layout", "-t", window, "tiled")
         return pane
 
     def name_pane(self, pane: Pane, name: str) -> None:
         """Show the name of a program above its pane."""
-        self.run("select-pane", "-t", pane.number, "-T", name)
+        self.run("select-pane", "-t", pane.number, "-T", _literal(name))
 
     def respawn(self, pane: Pane, command: str) -> None:
         """Run a command in a pane whose command has ended."""
@@ -88,7 +88,7 @@ class Tmux:
 
     def copy_output(self, pane: Pane, command: str) -> None:
         """Give the output of a pane to the shell command as well."""
-        self.run("pipe-pane", "-t", pane.number, command)
+        self.run("pipe-pane", "-t", pane.number, _literal(command).replace("%", "%%"))
 
     def has_session(self, session: str) -> bool:
         """Return whether there is a session of exactly that name."""
@@ -125,7 +125,7 @@ class Tmux:
     def _call(self, *words: str) -> "subprocess.CompletedProcess[str]":
         try:
             return subprocess.run(
-                [self._path, *words],
+                [self._path, *map(_argument, words)],
                 check=False,
                 capture_output=True,
                 text=True,
@@ -135,3 +135,13 @@ class Tmux:
             )
         except subprocess.TimeoutExpired as error:
             raise OSError(f"tmux {words[0]}: no answer") from error
+
+
+def _literal(text: str) -> str:
+    """Return a text so that tmux does not expand it: `#(command)` would run the command."""
+    return text.replace("#", "##")
+
+
+def _argument(word: str) -> str:
+    """Return a word so that tmux does not take a semicolon at its end as the end of a command."""
+    return f"{word[:-1]}\\;" if word.endswith(";") else word
