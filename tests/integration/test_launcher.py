@@ -18,6 +18,7 @@ from rosbase.launcher.description import Description, Faults, read_mapping, read
 from rosbase.launcher.description.model import ConditionKind
 from rosbase.launcher.description.programs import PROGRAM_KEYS, RESTART_KEYS
 from rosbase.launcher.description.sessions import ENV_KEYS
+from rosbase.launcher.tmux.client import session_size
 from rosbase.processes.proc import read_of
 from support.code_blocks import BLOCKS, ROOT, write_files
 from support.command import ROSBASE
@@ -265,6 +266,49 @@ def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
         # The panes stay, for whoever wants to read them.
         tmux.waits_for("demo", {"a": "130", "b": "130", "crash": "3"})
         wait_until_gone(tmp_path)
+
+
+@needs_tmux
+@pytest.mark.parametrize("number", [1, 4])
+def test_the_last_words_in_a_pane_can_be_seen_when_a_smaller_terminal_attaches(
+    tmp_path: Path, tmux: OwnTmux, number: int
+) -> None:
+    nodes = "".join(
+        f"\n  - {{name: p{n}, command: echo last words {n}; exit 5}}" for n in range(number)
+    )
+    text = f"env: {{session_name: demo}}\nnodes:{nodes}"
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        _,
+    ):
+        assert launcher.end() == 0
+        tmux.waits_for("demo", {f"p{n}": "5" for n in range(number)})
+        wait_until_gone(tmp_path)
+        with on_terminal(
+            *("tmux", "attach", "-t", "demo"), columns=80, environment=tmux.environment
+        ) as terminal:
+            wait_until(lambda: "80" in tmux("list-clients", "-F", "#{client_width}"), "a client")
+            shown = [tmux("capture-pane", "-p", "-t", f"demo:MAIN.{n}") for n in range(number)]
+            tmux("detach-client", "-s", "demo")
+            terminal.process.wait(20)
+    for n in range(number):
+        assert f"last words {n}" in shown[n]
+        assert "ended with status 5" in shown[n]
+
+
+@needs_tmux
+def test_a_session_has_the_size_of_the_terminal_unless_it_has_many_panes(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    nodes = [f"{{name: p{n}, command: 'true'}}" for n in range(2)]
+    (tmp_path / "few.yaml").write_text(f"nodes: [{', '.join(nodes)}]")
+    command = (ROSBASE, "up", str(tmp_path / "few.yaml"), "--tmux")
+    with on_terminal(*command, columns=90, environment=tmux.environment) as terminal:
+        terminal.process.wait(20)
+    assert tmux("list-windows", "-t", "few", "-F", "#{window_width}").strip() == "90"
+    tmux.waits_for("few", {"p0": "0", "p1": "0"})
+    assert session_size((80, 24), 16) == (80, 24)
+    assert session_size((80, 24), 17) == session_size(None, 1) == (240, 120)
 
 
 @needs_tmux

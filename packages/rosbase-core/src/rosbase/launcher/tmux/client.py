@@ -9,14 +9,27 @@ from attrs import frozen
 from rosbase.errors import ConfigurationError
 from rosbase.text.printable import one_line
 
-__all__ = ["Pane", "Tmux"]
+__all__ = ["Pane", "Tmux", "session_size"]
 
 _WINDOW = "MAIN"
-# A detached session has no terminal, and many panes need room. It takes the size of the terminal
-# that attaches.
-_SIZE = ("-x", "240", "-y", "120")
+# Columns and lines of a session that nobody's terminal gives a size; many panes need room. It takes
+# the size of the terminal that attaches.
+_LARGE = (240, 120)
+# Lines that a pane needs, with its border.
+_PANE_LINES = 6
 _PANE = ("-P", "-F", "#{pane_id} #{pane_tty}")
 _TIMEOUT_S = 20.0
+
+
+def session_size(terminal: tuple[int, int] | None, panes: int) -> tuple[int, int]:
+    """Return columns and lines for a session with that number of panes.
+
+    They are those of the terminal, so that nothing moves when it attaches; a larger size if the
+    panes have no room there, or there is no terminal.
+    """
+    if terminal is None or panes > (terminal[1] // _PANE_LINES) ** 2:
+        return _LARGE
+    return terminal
 
 
 @frozen
@@ -43,18 +56,42 @@ class Tmux:
             raise ConfigurationError("tmux is not installed: sudo apt install tmux")
         self._path = found
 
-    def new_session(self, session: str, folder: str, command: str) -> Pane:
-        """Open a detached session with one window and one pane that runs a command."""
+    def new_session(
+        self, session: str, folder: str, command: str, size: tuple[int, int] = _LARGE
+    ) -> Pane:
+        """Open a detached session with one window and one pane that runs a command.
+
+        Args:
+            session: Its name.
+            folder: Working directory of the command.
+            command: Command of the shell.
+            size: Columns and lines.
+        """
+        columns, lines = map(str, size)
         name = ("-d", "-s", _literal(session), "-n", _WINDOW)
-        pane = self._pane("new-session", *name, *_SIZE, "-c", _literal(folder), *_PANE, command)
+        pane = self._pane(
+            "new-session",
+            *name,
+            "-x",
+            columns,
+            "-y",
+            lines,
+            "-c",
+            _literal(folder),
+            *_PANE,
+            command,
+        )
         for option, value in (
             ("remain-on-exit", "on"),
             ("allow-rename", "off"),
             ("automatic-rename", "off"),
             ("pane-border-status", "top"),
             ("pane-border-format", " #{pane_title} "),
+            # Its line, at the very bottom, would push the last words of the program out of sight.
+            ("remain-on-exit-format", ""),
         ):
-            self.run("set-window-option", "-t", pane.number, option, value)
+            # Quietly: tmux 3.2 does not know the last one.
+            self.run("set-window-option", "-q", "-t", pane.number, option, value)
         return pane
 
     def add_pane(self, session: str, folder: str, command: str) -> Pane:
