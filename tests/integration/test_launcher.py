@@ -410,6 +410,27 @@ nodes:
     assert b"\x1b[36msetup" in coloured.shown
 
 
+def test_long_and_wide_names_leave_no_copies_of_the_table(tmp_path: Path) -> None:
+    text = f"""
+nodes:
+  - {{name: {"n" * 60}, command: "echo hello; exec sleep 1000"}}
+  - {{name: {"雪" * 20}, command: "echo also; exec sleep 1000"}}
+  - {{name: late, command: "true", after: {{{"雪" * 20}: "log: {"雪" * 30}"}}}}
+  - {{name: off, command: "true", autostart: false}}
+"""
+    (tmp_path / "robot.yaml").write_text(text)
+    with on_terminal(*(ROSBASE, "up", str(tmp_path / "robot.yaml")), columns=80) as terminal:
+        terminal.waits_for("also")
+        terminal.waits_for("2 running")
+        terminal.process.send_signal(signal.SIGINT)
+        screens = terminal.screens("3 stopped, 1 disabled")
+    last = [line for line in screens[-1] if line]
+    assert [line.split()[1] for line in last[-5:-2]] == ["stopped"] * 3
+    # No row of an earlier table is left.
+    assert not [line for line in last if re.search(r"running +[0-9]", line)]
+    assert [line.split() for line in last[-2:-1]] == [["off", "disabled"]]
+
+
 @given(launcher_data)
 def test_a_description_means_the_same_in_yaml_as_in_a_program(config: dict[str, object]) -> None:
     plain, written = Faults(), Faults()
