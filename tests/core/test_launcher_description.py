@@ -196,10 +196,10 @@ def test_every_mistake_is_named_with_its_line_all_at_once() -> None:
         "robot.toml:17: policy is one of never, on-failure, always, not 'allways'; "
         "did you mean always?",
         "robot.toml:17: limit is a whole number from 0 on, not a number: '-1'",
-        "robot.toml:18: env: '1A' is no environment variable",
-        "robot.toml:20: after: no program is called 'b'",
-        "robot.toml:20: 'a' waits for itself",
+        "robot.toml:19: env: '1A' is no environment variable",
         "robot.toml:21: there is no condition 'handshak'; did you mean handshake?",
+        "robot.toml:21: after: no program is called 'b'",
+        "robot.toml:22: 'a' waits for itself",
         "robot.toml:25: the name 'b c' has blanks, or one of / : , or begins with -",
         "robot.toml:26: program 'b c' has an empty list of commands",
         "robot.toml:27: after: no program is called 'nobody'",
@@ -231,6 +231,38 @@ def test_every_mistake_is_named_with_its_line_all_at_once() -> None:
 )
 def test_a_file_of_another_form_says_what_is_wrong(config: dict[str, Any], fault: str) -> None:
     assert any(one.startswith(fault) for one in read(config)[1])
+
+
+@pytest.mark.parametrize(
+    ("keys", "fault"),
+    [
+        ({"project": "~nobody_at_all/x"}, "project: there is no home folder ~nobody_at_all"),
+        ({"parameters": "~nobody_at_all/x"}, "parameters: there is no home folder ~nobody_at_all"),
+        ({"command": "a\0b"}, "command has a NUL character"),
+        ({"command": ["x", "\ud800"]}, "command has half of a surrogate pair"),
+        ({"command": "x" * 130_000}, "command has more than 120000 bytes"),
+        ({"project": "a\0b"}, "project has a NUL character"),
+        ({"env": {"X": "\ud800"}}, "env: 'X' has half of a surrogate pair"),
+        ({"env": {"X": "a\0b"}}, "env: 'X' has a NUL character"),
+        ({"env": {"X": "x" * 130_000}}, "env: 'X' has more than 120000 bytes"),
+        ({"name": ""}, "program 1 has an empty name"),
+        ({"cpus": ""}, "cpus is a list such as"),
+    ],
+)
+def test_a_text_that_no_program_can_be_given_is_a_mistake(keys: dict[str, Any], fault: str) -> None:
+    assert [one[: len(fault)] for one in program(**keys)[1]] == [fault]
+
+
+@pytest.mark.parametrize("key", ["workspace_root", "ros_setup"])
+def test_a_home_that_nobody_has_is_a_mistake(key: str) -> None:
+    _, faults = read({"env": {key: "~nobody_at_all/x"}, "nodes": []})
+    assert faults == [f"{key}: there is no home folder ~nobody_at_all"]
+
+
+def test_data_that_contains_itself_is_a_mistake() -> None:
+    config: dict[str, Any] = {"nodes": []}
+    config["env"] = config
+    assert read(config)[1] == ["nested too deeply"]
 
 
 def test_text_that_is_no_toml_is_named_with_its_line() -> None:

@@ -388,6 +388,62 @@ after = { a = "handshake" }
     assert launcher.said == [f"robot.toml:9: {fault}"]
 
 
+HOPELESS = """
+[env]
+conda_env = "a\\u0000b"
+[[nodes]]
+name = "a"
+command = "~nobody_at_all/x"
+[nodes.env]
+X = "LONG"
+Y = "LONG"
+"""
+
+
+def test_a_check_names_mistakes_even_if_no_shell_can_be_asked(tmp_path: Path) -> None:
+    # Together, the variables are more than a process can be given.
+    text = HOPELESS + "".join(f'X{n} = "{"x" * 110_000}"\n' for n in range(30))
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == [
+        "robot.toml:3: conda_env has a NUL character",
+        "robot.toml:6: command of 'a': no file ~nobody_at_all/x",
+    ]
+    text = text.replace("~nobody_at_all/x", "ls")
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert any("the shell for the programs cannot start: " in line for line in launcher.said)
+    with up(tmp_path, SLEEPERS, "--check", name="~nobody_at_all") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["rosbase: there is no home folder ~nobody_at_all"]
+
+
+def test_a_script_that_launches_something_else_is_told_so(tmp_path: Path) -> None:
+    script = 'from rosbase import BaseLauncher\nBaseLauncher([{"nodes": []}]).launch()\n'
+    with up(tmp_path, "", script=script) as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["a launch is the name of a file, or a mapping, not a list"]
+
+
+def test_a_script_may_enable_one_program_by_its_name_alone(tmp_path: Path) -> None:
+    script = (
+        "from rosbase import BaseLauncher\n"
+        'BaseLauncher("robot.toml", enable_nodes="b", disable_nodes="a").launch()\n'
+    )
+    text = """
+[[nodes]]
+name = "a"
+command = "true"
+[[nodes]]
+name = "b"
+command = "true"
+autostart = false
+"""
+    with up(tmp_path, text, "--check", script=script) as (launcher, _):
+        assert launcher.end() == 0
+    assert launcher.said == ["robot.toml: no mistakes; 1 of 2 programs start: b"]
+
+
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
     with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
         assert launcher.end() == 2

@@ -450,6 +450,7 @@ def _without_names(description: Description) -> list[object]:
     ]
 
 
+ONE = "nodes: [{name: a, command: b"
 ALIASES = """
 .common: &common {restart: always, project: a}
 nodes:
@@ -468,9 +469,46 @@ def test_aliases_and_merged_keys_work() -> None:
     assert {one.restart.when for one in description.programs} == {"always"}
 
 
+def test_a_merged_mapping_that_is_merged_again_repeats_no_key() -> None:
+    text = """
+nodes:
+  - &a
+    name: A
+    command: ls
+    env: &e {X: "1", Y: "2"}
+  - &b
+    <<: *a
+    name: B
+    env: &f
+      <<: *e
+      X: "3"
+  - <<: *b
+    name: C
+    env: *f
+"""
+    faults = Faults("robot.yaml")
+    description = read_text(text, Path("/here/robot.yaml"), faults)
+    assert not faults.in_order()
+    assert [one.environment["X"] for one in description.programs] == ["1", "3", "3"]
+
+
+def test_an_empty_variable_is_empty_however_it_is_written() -> None:
+    faults = Faults("robot.yaml")
+    text = "nodes: [{name: a, command: b, env: {X: ~, Y: null, Z: }}]"
+    [program] = read_text(text, Path("/here/robot.yaml"), faults).programs
+    assert program.environment == {"X": "", "Y": "", "Z": ""}
+
+
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
+        (f"{ONE}, autostart: !!bool maybe}}]", "robot.yaml:1: autostart is true or false, not"),
+        (f'{ONE}, after_timeout_s: !!int ""}}]', "robot.yaml:1: after_timeout_s is a number"),
+        (f'{ONE}, after_timeout_s: !!float ""}}]', "robot.yaml:1: after_timeout_s is a number"),
+        (f"{ONE},\n after: [\n a]}}]", "robot.yaml:3: 'a' waits for itself"),
+        (f"{ONE},\n after: {{\n b: exit 0}}}}]", "robot.yaml:3: after: no program"),
+        (f"{ONE},\n env: {{X: 1,\n 1: 1}}}}]", "robot.yaml:3: env: '1' is no environment"),
+        ("nodes: [{name: a, command: [x,\n ' ']}]", "robot.yaml:2: command is a text"),
         ("nodes: [\n", "robot.yaml:2: not YAML: "),
         ("nodes: []\n---\nnodes: []\n", "robot.yaml:3: a second document begins here"),
         ("", "robot.yaml: the file is empty"),

@@ -86,7 +86,7 @@ class BaseLauncher:
             arguments: Command line; by default that of the script.
         """
         self._config = config
-        self._enable, self._disable = list(enable_nodes), list(disable_nodes)
+        self._enable, self._disable = _names(enable_nodes), _names(disable_nodes)
         self._tmux = tmux
         self._arguments = arguments
 
@@ -155,6 +155,11 @@ class BaseLauncher:
             return self._config
         named: str = arguments.config
         return named
+
+
+def _names(given: Iterable[str]) -> list[str]:
+    """Return the names; a text is one name."""
+    return [given] if isinstance(given, str) else list(given)
 
 
 def _beside() -> Path:

@@ -6,6 +6,7 @@ from typing import Any
 
 from rosbase.errors import ConfigurationError
 from rosbase.launcher.description import Description, Faults, read_mapping, read_text
+from rosbase.launcher.description.outside import at_home
 from rosbase.launcher.machine import check_machine
 from rosbase.text.printable import one_line
 
@@ -22,7 +23,7 @@ def find_file(name: str | Path, beside: Path) -> Path:
     Raises:
         ConfigurationError: It is in neither.
     """
-    path = Path(name).expanduser()
+    path = at_home(str(name))
     for candidate in (path, beside / path):
         if candidate.is_file():
             return candidate
@@ -47,6 +48,9 @@ def read_checked(
     if isinstance(config, Mapping):
         faults = Faults()
         description = read_mapping(config, Path.cwd(), faults)
+    elif not isinstance(config, (str, Path)):
+        kind = type(config).__name__
+        raise ConfigurationError(f"a launch is the name of a file, or a mapping, not a {kind}")
     else:
         path = find_file(config, beside)
         faults = Faults(str(path))

@@ -11,7 +11,9 @@ from pathlib import Path
 from attrs import frozen
 
 from rosbase.control.programs import CONTROL_VARIABLE
+from rosbase.errors import ConfigurationError
 from rosbase.launcher.description import Description, Faults, Program, Session
+from rosbase.launcher.description.outside import at_home
 from rosbase.launcher.readiness import ASKED
 from rosbase.launcher.shell import preparation, shell_path, with_our_python
 from rosbase.runtime.signal_masks import background_thread
@@ -151,7 +153,7 @@ def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Fau
     """Look for the programs in a shell that is prepared as theirs, and note the missing ones."""
     paths = [word for word in words if "/" in word.text]
     for word in paths:
-        path = word.program.folder / Path(word.text).expanduser()
+        path = word.program.folder / _as_bash(word.text)
         if word.program.folder.is_dir() and not path.exists():
             faults.add(word.line, f"command of '{word.program.key}': no file {word.text}")
     names = sorted({word.text for word in words if "/" not in word.text})
@@ -165,6 +167,14 @@ def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Fau
         if "/" not in word.text and word.text not in answer:
             text = f"command of '{word.program.key}': there is no program {printable(word.text)}"
             faults.add(word.line, text)
+
+
+def _as_bash(text: str) -> Path:
+    """Return the path of a word; bash leaves the `~` of an unknown user as it is."""
+    try:
+        return at_home(text)
+    except ConfigurationError:
+        return Path(text)
 
 
 def _ask_shell(
@@ -197,6 +207,9 @@ def _ask_shell(
         )
     except subprocess.TimeoutExpired:
         return None, f"{what}: it takes longer than {_PROBE_S:.0f} s"
+    except (OSError, ValueError) as error:
+        # Such as an environment that is too large.
+        return None, f"the shell for the programs cannot start: {one_line(str(error))}"
     lines = done.stdout.decode(errors="replace").splitlines()
     if _READY not in lines:
         said = [line for line in done.stderr.decode(errors="replace").splitlines() if line.strip()]

@@ -35,7 +35,12 @@ def read_text(text: str, path: Path, faults: Faults) -> Description:
 
 def read_mapping(config: Mapping[str, Any], folder: Path, faults: Faults) -> Description:
     """Return the description in a mapping that a program has made; relative to that folder."""
-    return read_description(as_tree(config), folder, _NAMELESS, faults)
+    try:
+        tree = as_tree(config)
+    except RecursionError:
+        faults.add(0, "nested too deeply")
+        return Description(())
+    return read_description(tree, folder, _NAMELESS, faults)
 
 
 def _yaml(text: str, faults: Faults) -> Value | None:

@@ -59,7 +59,7 @@ def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -
     fields = Fields(value, what, _SESSION_KEYS, faults)
     env = Fields(fields.value("env") or Value({}, fields.line), "env", ENV_KEYS, faults)
     name = _NOT_OF_TMUX.sub("_", env.text("session_name") or stem)
-    workspace = folder / Path(env.text("workspace_root", ".")).expanduser()
+    workspace = env.path("workspace_root", folder)
     nodes = fields.items("nodes", "a list of programs")
     if isinstance(value.data, dict) and "nodes" not in fields:
         faults.add(fields.line_of("nodes"), f"{what} has no nodes")
@@ -73,12 +73,11 @@ def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -
             where = f" (line {seen[program.name]})" if seen[program.name] else ""
             faults.add(line, f"two programs are called '{printable(program.name)}'{where}")
         seen.setdefault(program.name, line)
-    setup = env.text("ros_setup")
     return Session(
         name=name,
         workspace=workspace,
         programs=tuple(programs),
-        ros_setup=folder / Path(setup).expanduser() if setup else None,
+        ros_setup=env.path("ros_setup", folder) if env.text("ros_setup") else None,
         conda_env=env.text("conda_env"),
         lines={**fields.lines(), **{k: line for k, line in env.lines().items() if k}},
     )
@@ -117,10 +116,10 @@ def _resolved(
     program: Program, session: Session, everybody: list[Program], faults: Faults
 ) -> dict[str, Condition]:
     found = {}
-    line = program.lines.get("after", 0)
     own = {one.name: one.key for one in session.programs}
     keys = {one.key: one.key for one in everybody} | own
     for name, condition in program.after.items():
+        line = program.lines.get(f"after {name}", 0)
         if name in keys:
             found[keys[name]] = condition
         elif not any(one.name == name for one in everybody):
@@ -135,7 +134,10 @@ def _resolved(
 def _refuse_circles(description: Description, faults: Faults) -> None:
     programs = {program.key: program for program in description.programs}
     for circle in circles({key: list(program.after) for key, program in programs.items()}):
-        line = programs[circle[0]].lines.get("after", 0)
+        lines = programs[circle[0]].lines
+        waits_for = programs[circle[1 % len(circle)]]
+        names = (waits_for.key, waits_for.name, "")
+        line = next((lines[f"after {n}"] for n in names if f"after {n}" in lines), 0)
         if len(circle) == 1:
             faults.add(line, f"'{circle[0]}' waits for itself")
         else:
