@@ -1,5 +1,6 @@
 """`rosbase up` with real processes: order, ends, signals, CPUs, what a program is given."""
 
+import json
 import os
 import signal
 import subprocess
@@ -442,6 +443,93 @@ autostart = false
     with up(tmp_path, text, "--check", script=script) as (launcher, _):
         assert launcher.end() == 0
     assert launcher.said == ["robot.toml: no mistakes; 1 of 2 programs start: b"]
+
+
+WORKING = [
+    ["foo() { echo hi; }", "foo"],
+    ["PATH=$PATH:$PWD/a", "made_later"],
+    ["true", "made_later"],
+    ["time -p ls"],
+    ["exec -a me ls"],
+    ["A+=1 true"],
+    ["no_such_program || true"],
+    ["cat <<END", "x", "END"],
+    ["shopt -s extglob", "echo !(a|b)"],
+    ["python -c pass made_later.py"],
+]
+
+
+@pytest.mark.parametrize("commands", WORKING)
+def test_a_check_accepts_commands_that_work(tmp_path: Path, commands: list[str]) -> None:
+    text = f'[[nodes]]\nname = "a"\ncommand = {json.dumps(commands)}\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 0, launcher.said
+
+
+BUILT = """
+[[nodes]]
+name = "build"
+command = "printf 'echo built' > gen.sh; chmod +x gen.sh; echo 'print(6 * 7)' > gen.py"
+[[nodes]]
+name = "a"
+command = "./gen.sh"
+after = { build = "exit 0" }
+[[nodes]]
+name = "b"
+command = "python gen.py"
+after = { build = "exit 0" }
+"""
+
+
+def test_a_program_may_run_what_another_one_has_built(tmp_path: Path) -> None:
+    with up(tmp_path, BUILT) as (launcher, _):
+        assert launcher.end() == 0, launcher.said
+    assert {"a | built", "b | 42"} <= set(launcher.said)
+
+
+@pytest.mark.parametrize(
+    ("command", "fault"),
+    [
+        ("./plain.txt", "./plain.txt is not executable"),
+        ("./folder", "./folder is a folder"),
+        ("python -u missing.py", "no file ./missing.py"),
+        ("rosbase run missing.py --flag", "no file ./missing.py"),
+        ("bash missing.sh", "no file ./missing.sh"),
+        ("python folder.py", "folder.py is a folder"),
+        ("A+=1 no_such_program", "there is no program no_such_program"),
+        ("if true; then", "syntax error: unexpected end of file"),
+        ("echo 'unclosed", "unexpected EOF while looking for matching `''"),
+    ],
+)
+def test_a_check_finds_commands_that_can_not_work(tmp_path: Path, command: str, fault: str) -> None:
+    (tmp_path / "plain.txt").touch()
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder.py").mkdir()
+    text = f'[[nodes]]\nname = "a"\ncommand = {json.dumps(command)}\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    [said] = launcher.said
+    assert said.startswith("robot.toml:3: command of 'a': ")
+    assert fault.removeprefix("./") in said
+
+
+def test_a_broken_parameter_file_is_named_with_all_other_mistakes(tmp_path: Path) -> None:
+    (tmp_path / "broken.toml").write_text("x = [")
+    text = '[[nodes]]\nname = "a"\ncommand = "no_such_program"\nparameters = "broken.toml"\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert [line.split(": ")[:2] for line in launcher.said] == [
+        ["robot.toml:3", "command of 'a'"],
+        ["robot.toml:4", "parameters"],
+    ]
+
+
+def test_a_byte_that_is_no_text_is_named_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes(b"[[nodes]]\nname = '\xe9'\n")
+    script = 'from rosbase import BaseLauncher\nBaseLauncher("latin.toml").launch()\n'
+    with up(tmp_path, "", script=script) as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said[0].startswith("latin.toml:2: ")
 
 
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:

@@ -516,7 +516,7 @@ def test_an_empty_variable_is_empty_however_it_is_written() -> None:
         ("nodes: []\nnodes: []\n", "robot.yaml:2: 'nodes' is already in line 1"),
         ("nodes:\n  - name: a\n    command: true\n    cpus: 9-\n", "robot.yaml:4: cpus is a list"),
         ("nodes:\n - [1]: 2\n", "robot.yaml:2: "),
-        ("nodes: \x00", "robot.yaml: not YAML"),
+        ("nodes:\n - \x00", "robot.yaml:2: not YAML: special characters are not allowed: #x0000"),
     ],
 )
 def test_a_mistake_of_yaml_is_named_with_its_line(text: str, fault: str) -> None:

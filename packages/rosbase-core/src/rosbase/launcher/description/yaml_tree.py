@@ -70,6 +70,9 @@ def read_yaml(text: str, faults: Faults) -> Value | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         faults.add(mark.line + 1 if mark else 0, f"not YAML: {error.problem or error}")
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        faults.add(line, f"not YAML: {error.reason}: #x{error.character:04x}")
     except (_TooMuchError, RecursionError):
         faults.add(0, "nested too deeply, or too large")
     except yaml.YAMLError as error:
