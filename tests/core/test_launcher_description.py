@@ -132,6 +132,27 @@ def test_conditions_have_several_forms(written: object, meant: Condition) -> Non
     assert one.after == {"other": meant}
 
 
+@pytest.mark.parametrize(
+    ("pattern", "is_refused"),
+    [
+        ("(a+)+$", True),
+        ("((a*b)c){2,}", True),
+        (r"x(\w+\s?)*$", True),
+        ("(?:[^)]+ )*", True),
+        ("(a+)b+", False),
+        (r"(\(a+\))?", False),
+        (r"([+*)]b)+ \++", False),
+        (r"port [0-9]+ (is|was) \(\d+\)", False),
+        ("(ab)+c+", False),
+        ("(a+){2}", False),
+        ("[]+*]+(ok)+", False),
+    ],
+)
+def test_a_pattern_that_may_take_for_ever_is_refused(pattern: str, is_refused: bool) -> None:
+    _, faults = program(after={"other": {"log": pattern}})
+    assert [("repeats a repetition" in fault) for fault in faults] == [True] * is_refused
+
+
 def test_parameter_files_are_in_the_project() -> None:
     one, faults = program(parameters=["a.yaml", "/etc/b.toml"], project="robot")
     assert not faults

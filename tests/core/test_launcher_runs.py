@@ -532,6 +532,22 @@ def test_a_byte_that_is_no_text_is_named_with_its_line(tmp_path: Path) -> None:
     assert launcher.said[0].startswith("latin.toml:2: ")
 
 
+def test_a_pattern_is_looked_for_at_the_beginning_of_a_line_only(tmp_path: Path) -> None:
+    text = """
+[[nodes]]
+name = "a"
+command = "printf '%03000dready\\n' 0"
+[[nodes]]
+name = "b"
+command = "true"
+after = { a = "log: ready$" }
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 1
+    text = "b * cannot start: a has ended, and it waits for a: log: ready$"
+    assert text in launcher.said
+
+
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
     with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
         assert launcher.end() == 2
