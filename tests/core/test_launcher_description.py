@@ -286,6 +286,23 @@ def test_data_that_contains_itself_is_a_mistake() -> None:
     assert read(config)[1] == ["nested too deeply"]
 
 
+def test_a_mapping_may_have_keys_of_the_users_own() -> None:
+    assert not read({"x-common": {"a": [1]}, "nodes": []})[1]
+    assert not read({"x-common": 1, "sessions": [{"nodes": []}]})[1]
+
+
+@pytest.mark.parametrize("name", ["robot", "robot.txt"])
+def test_a_file_whose_name_tells_no_format_is_refused(name: str) -> None:
+    with pytest.raises(ConfigurationError, match=r"none of .yaml, .yml and .toml"):
+        read_text("", HERE / name, Faults(name))
+
+
+def test_a_suffix_may_be_in_capitals() -> None:
+    faults = Faults("robot.TOML")
+    assert list(read_text('[[nodes]]\nname="a"\ncommand="b"', HERE / "a.TOML", faults).programs)
+    assert not faults.in_order()
+
+
 def test_text_that_is_no_toml_is_named_with_its_line() -> None:
     [fault] = faults_of('[env]\nsession_name = "demo\n')
     assert fault.startswith("robot.toml:2: not TOML: ")

@@ -548,6 +548,17 @@ after = { a = "log: ready$" }
     assert text in launcher.said
 
 
+def test_all_mistakes_are_named_at_once_with_those_of_the_options(tmp_path: Path) -> None:
+    text = '[[nodes]]\nname = "a"\ncommand = "true"\ncpus = "0-99999"\n'
+    with up(tmp_path, text, "--enable", "b") as (launcher, _):
+        assert launcher.end() == 2
+    cpus, enable = launcher.said
+    assert cpus.startswith("robot.toml:4: no CPU ")
+    assert "..., for" not in cpus
+    assert ", ... for 'a': this machine has" in cpus
+    assert enable == "no program is called 'b'; there are a"
+
+
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
     with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
         assert launcher.end() == 2

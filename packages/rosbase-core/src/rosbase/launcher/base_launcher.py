@@ -117,12 +117,18 @@ class BaseLauncher:
         """
         description, faults = read_checked(self._named(arguments), _beside())
         found = faults.in_order()
+        programs = list(description.programs)
+        try:
+            enabled = choose(
+                programs, [*self._enable, *arguments.enable], [*self._disable, *arguments.disable]
+            )
+        except ConfigurationError as error:
+            if not found:
+                raise
+            # All mistakes at once; without a program, the file is the reason.
+            found += [Fault("", 0, str(error))] if programs else []
         if found:
             raise LaunchFileError(found)
-        programs = list(description.programs)
-        enabled = choose(
-            programs, [*self._enable, *arguments.enable], [*self._disable, *arguments.disable]
-        )
         launches = {
             program.key: launch_of(session, program)
             for session in description.sessions

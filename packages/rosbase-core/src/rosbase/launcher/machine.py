@@ -38,16 +38,11 @@ def check_machine(description: Description, faults: Faults) -> None:
     for session in description.sessions:
         _check_session(session, faults)
     _check_sockets(description, faults)
-    cpus: dict[int, bool] = {}
+    absent = _absent({cpu for program in description.programs for cpu in program.cpus})
     for program in description.programs:
-        missing = []
-        for cpu in program.cpus:
-            if cpu not in cpus:
-                cpus[cpu] = _has_cpu(cpu)
-            if not cpus[cpu]:
-                missing.append(str(cpu))
+        missing = [str(cpu) for cpu in program.cpus if cpu in absent]
         if missing:
-            shown = ", ".join(missing[:10])
+            shown = ", ".join(missing[:10]) + (", ..." if len(missing) > 10 else "")
             has = f"this machine has {os.cpu_count()}"
             faults.add(program.lines.get("cpus", 0), f"no CPU {shown} for '{program.key}': {has}")
 
@@ -205,18 +200,19 @@ def _ask_shell(
     return {line.removeprefix(prefix) for line in lines if line.startswith(prefix)}, ""
 
 
-def _has_cpu(cpu: int) -> bool:
-    """Return whether a thread of this process may run there: the thread tries it."""
-    answer: list[bool] = []
+def _absent(cpus: set[int]) -> set[int]:
+    """Return the CPUs on which no thread of this process may run: a thread tries each."""
+    absent: set[int] = set()
 
     def attempt() -> None:
-        try:
-            os.sched_setaffinity(0, {cpu})
-            answer.append(True)
-        except (OSError, OverflowError, ValueError):
-            answer.append(False)
+        for cpu in cpus:
+            try:
+                os.sched_setaffinity(0, {cpu})
+            except (OSError, OverflowError, ValueError):
+                absent.add(cpu)
 
-    thread = background_thread(attempt, "CPU")
-    thread.start()
-    thread.join()
-    return answer[0]
+    if cpus:
+        thread = background_thread(attempt, "CPU")
+        thread.start()
+        thread.join()
+    return absent

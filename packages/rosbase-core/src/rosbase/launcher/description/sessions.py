@@ -19,6 +19,7 @@ __all__ = ["ENV_KEYS", "read_description"]
 _SESSION_KEYS = ("env", "nodes")
 ENV_KEYS = ("session_name", "workspace_root", "ros_setup", "conda_env")
 """Keys of the `env` of a session."""
+_EXTRA = "x-"
 # A window of tmux is called session:window.pane, `$1` is a session by its number, and a shell reads
 # the name in `tmux attach -t NAME`.
 _NOT_OF_TMUX = re.compile(r"[^\w-]")
@@ -44,7 +45,7 @@ def read_description(tree: Value, folder: Path, stem: str, faults: Faults) -> De
 def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Session]:
     if not (isinstance(tree.data, dict) and "sessions" in tree.data):
         return [_session(tree, folder, stem, "the file", faults)]
-    fields = Fields(tree, "a file with sessions", ("sessions",), faults)
+    fields = Fields(_without_extras(tree), "a file with sessions", ("sessions",), faults)
     found = fields.items("sessions", "a list of sessions")
     if not found and isinstance((value := tree.data["sessions"]).data, (list, type(None))):
         faults.add(value.line, "the list of sessions is empty")
@@ -55,8 +56,16 @@ def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Sess
     ]
 
 
+def _without_extras(value: Value) -> Value:
+    """Return a mapping without the keys for the user's own things, such as anchors of YAML."""
+    if not isinstance(value.data, dict):
+        return value
+    own = {key: item for key, item in value.data.items() if not key.startswith(_EXTRA)}
+    return Value(own, value.line)
+
+
 def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -> Session:
-    fields = Fields(value, what, _SESSION_KEYS, faults)
+    fields = Fields(_without_extras(value), what, _SESSION_KEYS, faults)
     env = Fields(fields.value("env") or Value({}, fields.line), "env", ENV_KEYS, faults)
     name = _NOT_OF_TMUX.sub("_", env.text("session_name") or stem)
     workspace = env.path("workspace_root", folder)
