@@ -559,6 +559,23 @@ def test_all_mistakes_are_named_at_once_with_those_of_the_options(tmp_path: Path
     assert enable == "no program is called 'b'; there are a"
 
 
+def test_the_setup_of_ros_is_sourced_in_the_workspace(tmp_path: Path) -> None:
+    (tmp_path / "work/a").mkdir(parents=True)
+    (tmp_path / "setup.sh").write_text("setup_pwd=$PWD\n")
+    text = """
+[env]
+workspace_root = "work"
+ros_setup = "setup.sh"
+[[nodes]]
+name = "a"
+project = "a"
+command = "echo $setup_pwd $PWD"
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 0
+    assert f"a | {tmp_path}/work {tmp_path}/work/a" in launcher.said
+
+
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:
     with up(tmp_path, SLEEPERS, "--disable", "a", "b", "c") as (launcher, _):
         assert launcher.end() == 2

@@ -246,6 +246,23 @@ def test_tmux_takes_no_name_and_no_folder_for_a_command(tmp_path: Path, tmux: Ow
 
 
 @needs_tmux
+def test_panes_work_although_the_folder_for_temporary_files_is_deep(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    deep = tmp_path / ("x" * 100)
+    deep.mkdir()
+    text = "env: {session_name: demo}\nnodes: [{name: a, command: 'true'}]\n"
+    environment = tmux.environment | {"TMPDIR": str(deep)}
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=environment) as (
+        launcher,
+        _,
+    ):
+        assert launcher.end() == 0, launcher.said
+        tmux.waits_for("demo", {"a": "0"})
+        wait_until_gone(tmp_path)
+
+
+@needs_tmux
 def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
     tmp_path: Path, tmux: OwnTmux
 ) -> None:

@@ -23,6 +23,8 @@ __all__ = ["Panes", "opened"]
 
 _PANE_SCRIPT = str(Path(__file__).with_name("pane.py"))
 _PREFIX = "rosbase-up-"
+# A socket's path has at most 107 bytes: unix(7).
+_LONGEST_FOLDER = 70
 _PATIENCE_NS = 10_000_000_000
 _LOOK_AGAIN_S = 0.05
 _ANSWER_S = 10.0
@@ -259,7 +261,7 @@ def opened(tmux: Tmux, clock: Clock, sizes: Mapping[str, tuple[int, int]]) -> It
         sizes: Columns and lines of each session.
     """
     _clear_away_dead()
-    with tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-") as folder:
+    with tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-", dir=_temporary()) as folder:
         panes = Panes(tmux, Path(folder), clock, sizes)
         try:
             yield panes
@@ -267,9 +269,15 @@ def opened(tmux: Tmux, clock: Clock, sizes: Mapping[str, tuple[int, int]]) -> It
             panes.close()
 
 
+def _temporary() -> str:
+    """Return the folder for temporary files, unless the path of a socket in it is too long."""
+    usual = tempfile.gettempdir()
+    return usual if len(os.fsencode(usual)) <= _LONGEST_FOLDER else "/tmp"
+
+
 def _clear_away_dead() -> None:
     """Remove the folders of launchers that were killed."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+    for folder in Path(_temporary()).glob(f"{_PREFIX}*"):
         number = folder.name.removeprefix(_PREFIX).partition("-")[0]
         try:
             is_ours = folder.lstat().st_uid == os.getuid()
