@@ -178,7 +178,7 @@ def test_a_name_that_several_programs_have_is_told_with_their_own_numbers(
                 show_processes(SimpleNamespace(program=None, json=False))
                 shown = capsys.readouterr().out
                 assert all(f"started by rosbase up [{pid}]:" in shown for pid in pids)
-                connect().stop(pids[one.process.pid])
+                connect().stop(str(pids[one.process.pid]))
                 assert len(first.wait_for_sleepers(1)) == 1
                 assert two.end(signal.SIGINT) == 0
             assert one.end(signal.SIGINT) == 0
