@@ -3,10 +3,12 @@
 import signal
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from rosbase.cli.operate.programs import show_processes
 from rosbase.control import connect
 from rosbase.errors import ControlError
 from rosbase.launcher.description import Condition
@@ -140,6 +142,47 @@ def test_other_commands_see_stop_and_restart_what_a_launcher_has_started(
         assert launcher.end() == 0
         assert not token.bearers()
     assert not list(sockets.iterdir())
+
+
+TWO_CAMERAS = """
+[[sessions]]
+env = { session_name = "left" }
+nodes = [{ name = "CAM", command = "exec sleep TOKEN" }]
+[[sessions]]
+env = { session_name = "right" }
+nodes = [{ name = "CAM", command = "exec sleep TOKEN" }]
+"""
+
+
+def test_a_name_that_several_programs_have_is_told_with_their_own_numbers(
+    tmp_path: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with up(tmp_path, TWO_CAMERAS) as (launcher, token):
+        token.wait_for_sleepers(2)
+        wait_until(lambda: len(launched()) == 2, "the launcher")
+        with pytest.raises(ControlError, match=r"^CAM may be left/CAM or right/CAM$"):
+            connect().stop("CAM")
+        with pytest.raises(ControlError, match="did you mean left/CAM or right/CAM"):
+            connect().stop("rihgt/CAM")
+        with up(tmp_path, SLEEPERS, name="one.toml") as (one, first):
+            with up(tmp_path, SLEEPERS, name="two.toml") as (two, second):
+                assert first.wait_for_sleepers(2)
+                assert second.wait_for_sleepers(2)
+                wait_until(lambda: len(connect().launched()) == 10, "all launchers")
+                pids = {o["launcher"]: o["pid"] for o in connect().launched() if o["name"] == "b"}
+                with pytest.raises(ControlError, match="choose one by its number") as caught:
+                    connect().stop("b")
+                for pid, child in pids.items():
+                    assert f"b [{child}] of launcher [{pid}]" in str(caught.value)
+                assert set(caught.value.suggestions) == set(map(str, pids.values()))
+                show_processes(SimpleNamespace(program=None, json=False))
+                shown = capsys.readouterr().out
+                assert all(f"started by rosbase up [{pid}]:" in shown for pid in pids)
+                connect().stop(str(pids[one.process.pid]))
+                assert len(first.wait_for_sleepers(1)) == 1
+                assert two.end(signal.SIGINT) == 0
+            assert one.end(signal.SIGINT) == 0
+        assert launcher.end(signal.SIGINT) == 0
 
 
 def test_a_launcher_runs_without_a_control_socket_if_a_user_wants_it_so(

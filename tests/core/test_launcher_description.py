@@ -132,6 +132,27 @@ def test_conditions_have_several_forms(written: object, meant: Condition) -> Non
     assert one.after == {"other": meant}
 
 
+@pytest.mark.parametrize(
+    ("pattern", "is_refused"),
+    [
+        ("(a+)+$", True),
+        ("((a*b)c){2,}", True),
+        (r"x(\w+\s?)*$", True),
+        ("(?:[^)]+ )*", True),
+        ("(a+)b+", False),
+        (r"(\(a+\))?", False),
+        (r"([+*)]b)+ \++", False),
+        (r"port [0-9]+ (is|was) \(\d+\)", False),
+        ("(ab)+c+", False),
+        ("(a+){2}", False),
+        ("[]+*]+(ok)+", False),
+    ],
+)
+def test_a_pattern_that_may_take_for_ever_is_refused(pattern: str, is_refused: bool) -> None:
+    _, faults = program(after={"other": {"log": pattern}})
+    assert [("repeats a repetition" in fault) for fault in faults] == [True] * is_refused
+
+
 def test_parameter_files_are_in_the_project() -> None:
     one, faults = program(parameters=["a.yaml", "/etc/b.toml"], project="robot")
     assert not faults
@@ -196,10 +217,10 @@ def test_every_mistake_is_named_with_its_line_all_at_once() -> None:
         "robot.toml:17: policy is one of never, on-failure, always, not 'allways'; "
         "did you mean always?",
         "robot.toml:17: limit is a whole number from 0 on, not a number: '-1'",
-        "robot.toml:18: env: '1A' is no environment variable",
-        "robot.toml:20: after: no program is called 'b'",
-        "robot.toml:20: 'a' waits for itself",
+        "robot.toml:19: env: '1A' is no environment variable",
         "robot.toml:21: there is no condition 'handshak'; did you mean handshake?",
+        "robot.toml:21: after: no program is called 'b'",
+        "robot.toml:22: 'a' waits for itself",
         "robot.toml:25: the name 'b c' has blanks, or one of / : , or begins with -",
         "robot.toml:26: program 'b c' has an empty list of commands",
         "robot.toml:27: after: no program is called 'nobody'",
@@ -231,6 +252,55 @@ def test_every_mistake_is_named_with_its_line_all_at_once() -> None:
 )
 def test_a_file_of_another_form_says_what_is_wrong(config: dict[str, Any], fault: str) -> None:
     assert any(one.startswith(fault) for one in read(config)[1])
+
+
+@pytest.mark.parametrize(
+    ("keys", "fault"),
+    [
+        ({"project": "~nobody_at_all/x"}, "project: there is no home folder ~nobody_at_all"),
+        ({"parameters": "~nobody_at_all/x"}, "parameters: there is no home folder ~nobody_at_all"),
+        ({"command": "a\0b"}, "command has a NUL character"),
+        ({"command": ["x", "\ud800"]}, "command has half of a surrogate pair"),
+        ({"command": "x" * 130_000}, "command has more than 120000 bytes"),
+        ({"project": "a\0b"}, "project has a NUL character"),
+        ({"env": {"X": "\ud800"}}, "env: 'X' has half of a surrogate pair"),
+        ({"env": {"X": "a\0b"}}, "env: 'X' has a NUL character"),
+        ({"env": {"X": "x" * 130_000}}, "env: 'X' has more than 120000 bytes"),
+        ({"name": ""}, "program 1 has an empty name"),
+        ({"cpus": ""}, "cpus is a list such as"),
+    ],
+)
+def test_a_text_that_no_program_can_be_given_is_a_mistake(keys: dict[str, Any], fault: str) -> None:
+    assert [one[: len(fault)] for one in program(**keys)[1]] == [fault]
+
+
+@pytest.mark.parametrize("key", ["workspace_root", "ros_setup"])
+def test_a_home_that_nobody_has_is_a_mistake(key: str) -> None:
+    _, faults = read({"env": {key: "~nobody_at_all/x"}, "nodes": []})
+    assert faults == [f"{key}: there is no home folder ~nobody_at_all"]
+
+
+def test_data_that_contains_itself_is_a_mistake() -> None:
+    config: dict[str, Any] = {"nodes": []}
+    config["env"] = config
+    assert read(config)[1] == ["nested too deeply"]
+
+
+def test_a_mapping_may_have_keys_of_the_users_own() -> None:
+    assert not read({"x-common": {"a": [1]}, "nodes": []})[1]
+    assert not read({"x-common": 1, "sessions": [{"nodes": []}]})[1]
+
+
+@pytest.mark.parametrize("name", ["robot", "robot.txt"])
+def test_a_file_whose_name_tells_no_format_is_refused(name: str) -> None:
+    with pytest.raises(ConfigurationError, match=r"none of .yaml, .yml and .toml"):
+        read_text("", HERE / name, Faults(name))
+
+
+def test_a_suffix_may_be_in_capitals() -> None:
+    faults = Faults("robot.TOML")
+    assert list(read_text('[[nodes]]\nname="a"\ncommand="b"', HERE / "a.TOML", faults).programs)
+    assert not faults.in_order()
 
 
 def test_text_that_is_no_toml_is_named_with_its_line() -> None:

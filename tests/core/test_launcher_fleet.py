@@ -102,6 +102,38 @@ def test_a_condition_is_met_again_by_the_run_after_a_restart() -> None:
     assert notes.take() == ["start b"]
 
 
+def test_a_condition_that_has_held_counts_although_its_program_starts_again() -> None:
+    a = {"restart": {"policy": "always", "backoff_s": 0}}
+    notes = Notes(*programs(a=a, b={}, c={"after": {"a": "handshake", "b": "handshake"}}))
+    notes.fleet.met("a", Condition("handshake"), 0)
+    notes.ended("a", 1)
+    notes.later(1)
+    assert notes.take() == ["start a", "start b", "start a"]
+    notes.fleet.met("b", Condition("handshake"), notes.now_ns)
+    assert notes.take() == ["start c"]
+
+
+def test_a_run_ends_if_all_that_is_left_waits_for_what_a_user_has_stopped() -> None:
+    notes = Notes(*programs(a={}, b={"after": {"a": "handshake"}}, c={}))
+    notes.fleet.stop("a", 0)
+    notes.ended("a", 130)
+    assert notes.state("b") == "waiting"
+    notes.ended("c", 0)
+    assert notes.said[-1] == "b ERROR cannot start: a was stopped, and it waits for a: handshake"
+    assert notes.fleet.is_over
+
+
+def test_a_long_chain_of_programs_fails_from_its_beginning_to_its_end() -> None:
+    chain = {f"w{n}": {"after": {f"w{n - 1}": "exit 0"} if n else {}} for n in range(1500)}
+    notes = Notes(*programs(**chain))
+    notes.ended("w0", 3)
+    assert notes.fleet.is_over
+    text = "w1 ERROR cannot start: w0 has ended, and it waits for w0: exit 0"
+    assert notes.said[0] == text
+    text = "w2 ERROR cannot start: w1 never started, and it waits for w1: exit 0"
+    assert notes.said[1] == text
+
+
 def test_a_step_of_preparation_is_waited_for_to_its_end() -> None:
     notes = Notes(*programs(setup={}, robot={"after": {"setup": "exit 0"}}))
     notes.started("setup")

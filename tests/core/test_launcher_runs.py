@@ -1,5 +1,6 @@
 """`rosbase up` with real processes: order, ends, signals, CPUs, what a program is given."""
 
+import json
 import os
 import signal
 import subprocess
@@ -386,6 +387,193 @@ after = { a = "handshake" }
         assert launcher.end() == 2
     fault = "after: ROSBASE_CONTROL is off for 'a', so it tells no handshake"
     assert launcher.said == [f"robot.toml:9: {fault}"]
+
+
+HOPELESS = """
+[env]
+conda_env = "a\\u0000b"
+[[nodes]]
+name = "a"
+command = "~nobody_at_all/x"
+[nodes.env]
+X = "LONG"
+Y = "LONG"
+"""
+
+
+def test_a_check_names_mistakes_even_if_no_shell_can_be_asked(tmp_path: Path) -> None:
+    # Together, the variables are more than a process can be given.
+    text = HOPELESS + "".join(f'X{n} = "{"x" * 110_000}"\n' for n in range(30))
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == [
+        "robot.toml:3: conda_env has a NUL character",
+        "robot.toml:6: command of 'a': no file ~nobody_at_all/x",
+    ]
+    text = text.replace("~nobody_at_all/x", "ls")
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert any("the shell for the programs cannot start: " in line for line in launcher.said)
+    with up(tmp_path, SLEEPERS, "--check", name="~nobody_at_all") as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["rosbase: there is no home folder ~nobody_at_all"]
+
+
+def test_a_script_that_launches_something_else_is_told_so(tmp_path: Path) -> None:
+    script = 'from rosbase import BaseLauncher\nBaseLauncher([{"nodes": []}]).launch()\n'
+    with up(tmp_path, "", script=script) as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said == ["a launch is the name of a file, or a mapping, not a list"]
+
+
+def test_a_script_may_enable_one_program_by_its_name_alone(tmp_path: Path) -> None:
+    script = (
+        "from rosbase import BaseLauncher\n"
+        'BaseLauncher("robot.toml", enable_nodes="b", disable_nodes="a").launch()\n'
+    )
+    text = """
+[[nodes]]
+name = "a"
+command = "true"
+[[nodes]]
+name = "b"
+command = "true"
+autostart = false
+"""
+    with up(tmp_path, text, "--check", script=script) as (launcher, _):
+        assert launcher.end() == 0
+    assert launcher.said == ["robot.toml: no mistakes; 1 of 2 programs start: b"]
+
+
+WORKING = [
+    ["foo() { echo hi; }", "foo"],
+    ["PATH=$PATH:$PWD/a", "made_later"],
+    ["true", "made_later"],
+    ["time -p ls"],
+    ["exec -a me ls"],
+    ["A+=1 true"],
+    ["no_such_program || true"],
+    ["cat <<END", "x", "END"],
+    ["shopt -s extglob", "echo !(a|b)"],
+    ["python -c pass made_later.py"],
+]
+
+
+@pytest.mark.parametrize("commands", WORKING)
+def test_a_check_accepts_commands_that_work(tmp_path: Path, commands: list[str]) -> None:
+    text = f'[[nodes]]\nname = "a"\ncommand = {json.dumps(commands)}\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 0, launcher.said
+
+
+BUILT = """
+[[nodes]]
+name = "build"
+command = "printf 'echo built' > gen.sh; chmod +x gen.sh; echo 'print(6 * 7)' > gen.py"
+[[nodes]]
+name = "a"
+command = "./gen.sh"
+after = { build = "exit 0" }
+[[nodes]]
+name = "b"
+command = "python gen.py"
+after = { build = "exit 0" }
+"""
+
+
+def test_a_program_may_run_what_another_one_has_built(tmp_path: Path) -> None:
+    with up(tmp_path, BUILT) as (launcher, _):
+        assert launcher.end() == 0, launcher.said
+    assert {"a | built", "b | 42"} <= set(launcher.said)
+
+
+@pytest.mark.parametrize(
+    ("command", "fault"),
+    [
+        ("./plain.txt", "./plain.txt is not executable"),
+        ("./folder", "./folder is a folder"),
+        ("python -u missing.py", "no file ./missing.py"),
+        ("rosbase run missing.py --flag", "no file ./missing.py"),
+        ("bash missing.sh", "no file ./missing.sh"),
+        ("python folder.py", "folder.py is a folder"),
+        ("A+=1 no_such_program", "there is no program no_such_program"),
+        ("if true; then", "syntax error: unexpected end of file"),
+        ("echo 'unclosed", "unexpected EOF while looking for matching `''"),
+    ],
+)
+def test_a_check_finds_commands_that_can_not_work(tmp_path: Path, command: str, fault: str) -> None:
+    (tmp_path / "plain.txt").touch()
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder.py").mkdir()
+    text = f'[[nodes]]\nname = "a"\ncommand = {json.dumps(command)}\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    [said] = launcher.said
+    assert said.startswith("robot.toml:3: command of 'a': ")
+    assert fault.removeprefix("./") in said
+
+
+def test_a_broken_parameter_file_is_named_with_all_other_mistakes(tmp_path: Path) -> None:
+    (tmp_path / "broken.toml").write_text("x = [")
+    text = '[[nodes]]\nname = "a"\ncommand = "no_such_program"\nparameters = "broken.toml"\n'
+    with up(tmp_path, text, "--check") as (launcher, _):
+        assert launcher.end() == 2
+    assert [line.split(": ")[:2] for line in launcher.said] == [
+        ["robot.toml:3", "command of 'a'"],
+        ["robot.toml:4", "parameters"],
+    ]
+
+
+def test_a_byte_that_is_no_text_is_named_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes(b"[[nodes]]\nname = '\xe9'\n")
+    script = 'from rosbase import BaseLauncher\nBaseLauncher("latin.toml").launch()\n'
+    with up(tmp_path, "", script=script) as (launcher, _):
+        assert launcher.end() == 2
+    assert launcher.said[0].startswith("latin.toml:2: ")
+
+
+def test_a_pattern_is_looked_for_at_the_beginning_of_a_line_only(tmp_path: Path) -> None:
+    text = """
+[[nodes]]
+name = "a"
+command = "printf '%03000dready\\n' 0"
+[[nodes]]
+name = "b"
+command = "true"
+after = { a = "log: ready$" }
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 1
+    text = "b * cannot start: a has ended, and it waits for a: log: ready$"
+    assert text in launcher.said
+
+
+def test_all_mistakes_are_named_at_once_with_those_of_the_options(tmp_path: Path) -> None:
+    text = '[[nodes]]\nname = "a"\ncommand = "true"\ncpus = "0-99999"\n'
+    with up(tmp_path, text, "--enable", "b") as (launcher, _):
+        assert launcher.end() == 2
+    cpus, enable = launcher.said
+    assert cpus.startswith("robot.toml:4: no CPU ")
+    assert "..., for" not in cpus
+    assert ", ... for 'a': this machine has" in cpus
+    assert enable == "no program is called 'b'; there are a"
+
+
+def test_the_setup_of_ros_is_sourced_in_the_workspace(tmp_path: Path) -> None:
+    (tmp_path / "work/a").mkdir(parents=True)
+    (tmp_path / "setup.sh").write_text("setup_pwd=$PWD\n")
+    text = """
+[env]
+workspace_root = "work"
+ros_setup = "setup.sh"
+[[nodes]]
+name = "a"
+project = "a"
+command = "echo $setup_pwd $PWD"
+"""
+    with up(tmp_path, text) as (launcher, _):
+        assert launcher.end() == 0
+    assert f"a | {tmp_path}/work {tmp_path}/work/a" in launcher.said
 
 
 def test_a_launch_of_nothing_is_a_mistake(tmp_path: Path) -> None:

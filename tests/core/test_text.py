@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosbase.text.cells import cut, padded, width
 from rosbase.text.printable import MOST_LINE, MOST_QUOTED, indented, log_line, one_line, printable
 from support.strategies import outside_texts
 
@@ -125,3 +126,17 @@ def test_a_record_of_any_text_is_one_line_for_every_handler(text: str) -> None:
     first, *below = broken.split("\n")
     assert first == "broken"
     assert all(line.startswith("  ") and harmless(line) for line in below)
+
+
+@pytest.mark.parametrize(
+    ("text", "cells"), [("", 0), ("abc", 3), ("雪だるま", 8), ("e\u0301", 1), ("°±", 2), ("한", 2)]
+)
+def test_wide_characters_take_two_cells_and_accents_none(text: str, cells: int) -> None:
+    assert width(text) == cells
+    assert cut(text, cells) == text
+
+
+@given(st.text(st.sampled_from("ab雪\u0301°한")), st.integers(0, 20))
+def test_a_text_is_cut_and_padded_to_its_cells(text: str, cells: int) -> None:
+    assert width(cut(text, cells)) <= cells
+    assert width(padded(cut(text, cells), cells)) == cells

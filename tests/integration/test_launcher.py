@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from rosbase.launcher.description import Description, Faults, read_mapping, read
 from rosbase.launcher.description.model import ConditionKind
 from rosbase.launcher.description.programs import PROGRAM_KEYS, RESTART_KEYS
 from rosbase.launcher.description.sessions import ENV_KEYS
+from rosbase.launcher.tmux.client import session_size
 from rosbase.processes.proc import read_of
 from support.code_blocks import BLOCKS, ROOT, write_files
 from support.command import ROSBASE
@@ -210,6 +212,57 @@ sessions:
 
 
 @needs_tmux
+def test_tmux_takes_no_name_and_no_folder_for_a_command(tmp_path: Path, tmux: OwnTmux) -> None:
+    folder = tmp_path / "#(touch ${PWD}folder)100%;"
+    folder.mkdir()
+    names = ["A#(touch${IFS}pane)", "B#S", "C;", "##{pid}"]
+    nodes = "".join(f"  - {{name: '{name}', command: pwd}}\n" for name in names)
+    session = (
+        'env: {session_name: "$1#(touch x)\\t#{pid};", workspace_root: \'' + folder.name + "'}\n"
+    )
+    text = (
+        f"{session}nodes:\n{nodes}  - {{name: last, command: 'true', after: {{B#S: 'log: 100'}}}}\n"
+    )
+    # A short one, because a socket is in it.
+    with (
+        tempfile.TemporaryDirectory(prefix="#S%d") as temporary,
+        up(
+            tmp_path,
+            text,
+            "--tmux",
+            name="robot.yaml",
+            environment=tmux.environment | {"TMPDIR": temporary},
+        ) as (launcher, _),
+    ):
+        assert launcher.end() == 0, launcher.said
+        name = "_1__touch_x____pid__"
+        assert launcher.said == [f"{name}: tmux attach -t {name}"]
+        tmux.waits_for(name, dict.fromkeys([*names, "last"], "0"))
+        assert str(folder) in tmux.text(name, 0).replace("\n", "")
+        wait_until_gone(tmp_path)
+    assert not list(folder.iterdir())
+    names = [file.name for file in tmp_path.iterdir() if not file.name.startswith("tmux-")]
+    assert sorted(names) == [folder.name, "robot.yaml"]
+
+
+@needs_tmux
+def test_panes_work_although_the_folder_for_temporary_files_is_deep(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    deep = tmp_path / ("x" * 100)
+    deep.mkdir()
+    text = "env: {session_name: demo}\nnodes: [{name: a, command: 'true'}]\n"
+    environment = tmux.environment | {"TMPDIR": str(deep)}
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=environment) as (
+        launcher,
+        _,
+    ):
+        assert launcher.end() == 0, launcher.said
+        tmux.waits_for("demo", {"a": "0"})
+        wait_until_gone(tmp_path)
+
+
+@needs_tmux
 def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
     tmp_path: Path, tmux: OwnTmux
 ) -> None:
@@ -230,6 +283,49 @@ def test_a_crash_leaves_its_pane_readable_and_the_others_alone(
         # The panes stay, for whoever wants to read them.
         tmux.waits_for("demo", {"a": "130", "b": "130", "crash": "3"})
         wait_until_gone(tmp_path)
+
+
+@needs_tmux
+@pytest.mark.parametrize("number", [1, 4])
+def test_the_last_words_in_a_pane_can_be_seen_when_a_smaller_terminal_attaches(
+    tmp_path: Path, tmux: OwnTmux, number: int
+) -> None:
+    nodes = "".join(
+        f"\n  - {{name: p{n}, command: echo last words {n}; exit 5}}" for n in range(number)
+    )
+    text = f"env: {{session_name: demo}}\nnodes:{nodes}"
+    with up(tmp_path, text, "--tmux", name="robot.yaml", environment=tmux.environment) as (
+        launcher,
+        _,
+    ):
+        assert launcher.end() == 0
+        tmux.waits_for("demo", {f"p{n}": "5" for n in range(number)})
+        wait_until_gone(tmp_path)
+        with on_terminal(
+            *("tmux", "attach", "-t", "demo"), columns=80, environment=tmux.environment
+        ) as terminal:
+            wait_until(lambda: "80" in tmux("list-clients", "-F", "#{client_width}"), "a client")
+            shown = [tmux("capture-pane", "-p", "-t", f"demo:MAIN.{n}") for n in range(number)]
+            tmux("detach-client", "-s", "demo")
+            terminal.process.wait(20)
+    for n in range(number):
+        assert f"last words {n}" in shown[n]
+        assert "ended with status 5" in shown[n]
+
+
+@needs_tmux
+def test_a_session_has_the_size_of_the_terminal_unless_it_has_many_panes(
+    tmp_path: Path, tmux: OwnTmux
+) -> None:
+    nodes = [f"{{name: p{n}, command: 'true'}}" for n in range(2)]
+    (tmp_path / "few.yaml").write_text(f"nodes: [{', '.join(nodes)}]")
+    command = (ROSBASE, "up", str(tmp_path / "few.yaml"), "--tmux")
+    with on_terminal(*command, columns=90, environment=tmux.environment) as terminal:
+        terminal.process.wait(20)
+    assert tmux("list-windows", "-t", "few", "-F", "#{window_width}").strip() == "90"
+    tmux.waits_for("few", {"p0": "0", "p1": "0"})
+    assert session_size((80, 24), 16) == (80, 24)
+    assert session_size((80, 24), 17) == session_size(None, 1) == (240, 120)
 
 
 @needs_tmux
@@ -331,6 +427,27 @@ nodes:
     assert b"\x1b[36msetup" in coloured.shown
 
 
+def test_long_and_wide_names_leave_no_copies_of_the_table(tmp_path: Path) -> None:
+    text = f"""
+nodes:
+  - {{name: {"n" * 60}, command: "echo hello; exec sleep 1000"}}
+  - {{name: {"雪" * 20}, command: "echo also; exec sleep 1000"}}
+  - {{name: late, command: "true", after: {{{"雪" * 20}: "log: {"雪" * 30}"}}}}
+  - {{name: off, command: "true", autostart: false}}
+"""
+    (tmp_path / "robot.yaml").write_text(text)
+    with on_terminal(*(ROSBASE, "up", str(tmp_path / "robot.yaml")), columns=80) as terminal:
+        terminal.waits_for("also")
+        terminal.waits_for("2 running")
+        terminal.process.send_signal(signal.SIGINT)
+        screens = terminal.screens("3 stopped, 1 disabled")
+    last = [line for line in screens[-1] if line]
+    assert [line.split()[1] for line in last[-5:-2]] == ["stopped"] * 3
+    # No row of an earlier table is left.
+    assert not [line for line in last if re.search(r"running +[0-9]", line)]
+    assert [line.split() for line in last[-2:-1]] == [["off", "disabled"]]
+
+
 @given(launcher_data)
 def test_a_description_means_the_same_in_yaml_as_in_a_program(config: dict[str, object]) -> None:
     plain, written = Faults(), Faults()
@@ -350,6 +467,7 @@ def _without_names(description: Description) -> list[object]:
     ]
 
 
+ONE = "nodes: [{name: a, command: b"
 ALIASES = """
 .common: &common {restart: always, project: a}
 nodes:
@@ -368,9 +486,46 @@ def test_aliases_and_merged_keys_work() -> None:
     assert {one.restart.when for one in description.programs} == {"always"}
 
 
+def test_a_merged_mapping_that_is_merged_again_repeats_no_key() -> None:
+    text = """
+nodes:
+  - &a
+    name: A
+    command: ls
+    env: &e {X: "1", Y: "2"}
+  - &b
+    <<: *a
+    name: B
+    env: &f
+      <<: *e
+      X: "3"
+  - <<: *b
+    name: C
+    env: *f
+"""
+    faults = Faults("robot.yaml")
+    description = read_text(text, Path("/here/robot.yaml"), faults)
+    assert not faults.in_order()
+    assert [one.environment["X"] for one in description.programs] == ["1", "3", "3"]
+
+
+def test_an_empty_variable_is_empty_however_it_is_written() -> None:
+    faults = Faults("robot.yaml")
+    text = "nodes: [{name: a, command: b, env: {X: ~, Y: null, Z: }}]"
+    [program] = read_text(text, Path("/here/robot.yaml"), faults).programs
+    assert program.environment == {"X": "", "Y": "", "Z": ""}
+
+
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
+        (f"{ONE}, autostart: !!bool maybe}}]", "robot.yaml:1: autostart is true or false, not"),
+        (f'{ONE}, after_timeout_s: !!int ""}}]', "robot.yaml:1: after_timeout_s is a number"),
+        (f'{ONE}, after_timeout_s: !!float ""}}]', "robot.yaml:1: after_timeout_s is a number"),
+        (f"{ONE},\n after: [\n a]}}]", "robot.yaml:3: 'a' waits for itself"),
+        (f"{ONE},\n after: {{\n b: exit 0}}}}]", "robot.yaml:3: after: no program"),
+        (f"{ONE},\n env: {{X: 1,\n 1: 1}}}}]", "robot.yaml:3: env: '1' is no environment"),
+        ("nodes: [{name: a, command: [x,\n ' ']}]", "robot.yaml:2: command is a text"),
         ("nodes: [\n", "robot.yaml:2: not YAML: "),
         ("nodes: []\n---\nnodes: []\n", "robot.yaml:3: a second document begins here"),
         ("", "robot.yaml: the file is empty"),
@@ -378,7 +533,7 @@ def test_aliases_and_merged_keys_work() -> None:
         ("nodes: []\nnodes: []\n", "robot.yaml:2: 'nodes' is already in line 1"),
         ("nodes:\n  - name: a\n    command: true\n    cpus: 9-\n", "robot.yaml:4: cpus is a list"),
         ("nodes:\n - [1]: 2\n", "robot.yaml:2: "),
-        ("nodes: \x00", "robot.yaml: not YAML"),
+        ("nodes:\n - \x00", "robot.yaml:2: not YAML: special characters are not allowed: #x0000"),
     ],
 )
 def test_a_mistake_of_yaml_is_named_with_its_line(text: str, fault: str) -> None:

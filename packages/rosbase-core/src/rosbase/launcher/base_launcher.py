@@ -86,7 +86,7 @@ class BaseLauncher:
             arguments: Command line; by default that of the script.
         """
         self._config = config
-        self._enable, self._disable = list(enable_nodes), list(disable_nodes)
+        self._enable, self._disable = _names(enable_nodes), _names(disable_nodes)
         self._tmux = tmux
         self._arguments = arguments
 
@@ -117,12 +117,18 @@ class BaseLauncher:
         """
         description, faults = read_checked(self._named(arguments), _beside())
         found = faults.in_order()
+        programs = list(description.programs)
+        try:
+            enabled = choose(
+                programs, [*self._enable, *arguments.enable], [*self._disable, *arguments.disable]
+            )
+        except ConfigurationError as error:
+            if not found:
+                raise
+            # All mistakes at once; without a program, the file is the reason.
+            found += [Fault("", 0, str(error))] if programs else []
         if found:
             raise LaunchFileError(found)
-        programs = list(description.programs)
-        enabled = choose(
-            programs, [*self._enable, *arguments.enable], [*self._disable, *arguments.disable]
-        )
         launches = {
             program.key: launch_of(session, program)
             for session in description.sessions
@@ -155,6 +161,11 @@ class BaseLauncher:
             return self._config
         named: str = arguments.config
         return named
+
+
+def _names(given: Iterable[str]) -> list[str]:
+    """Return the names; a text is one name."""
+    return [given] if isinstance(given, str) else list(given)
 
 
 def _beside() -> Path:

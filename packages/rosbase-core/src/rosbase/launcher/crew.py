@@ -18,6 +18,10 @@ from rosbase.processes.supervisor import Supervisor
 __all__ = ["Crew", "Show"]
 
 
+_MOST_SEARCHED = 2_000
+"""Characters of a line in which a pattern is looked for."""
+
+
 class Show(Protocol):
     """Shows what happens. Output and ends come on the thread of the supervisor."""
 
@@ -187,7 +191,9 @@ class Crew:
         sought = self._sought.get(key)
         if not sought:
             return
-        for condition in [one for one, pattern in sought.items() if pattern.search(line)]:
+        # A search must not take long: the output of all programs waits for it.
+        begin = line[:_MOST_SEARCHED]
+        for condition in [one for one, pattern in sought.items() if pattern.search(begin)]:
             del sought[condition]
             self._tell(partial(self._fleet().met, key, condition))
 

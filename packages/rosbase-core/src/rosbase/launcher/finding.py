@@ -6,6 +6,7 @@ from typing import Any
 
 from rosbase.errors import ConfigurationError
 from rosbase.launcher.description import Description, Faults, read_mapping, read_text
+from rosbase.launcher.description.outside import at_home
 from rosbase.launcher.machine import check_machine
 from rosbase.text.printable import one_line
 
@@ -22,7 +23,7 @@ def find_file(name: str | Path, beside: Path) -> Path:
     Raises:
         ConfigurationError: It is in neither.
     """
-    path = Path(name).expanduser()
+    path = at_home(str(name))
     for candidate in (path, beside / path):
         if candidate.is_file():
             return candidate
@@ -47,6 +48,9 @@ def read_checked(
     if isinstance(config, Mapping):
         faults = Faults()
         description = read_mapping(config, Path.cwd(), faults)
+    elif not isinstance(config, (str, Path)):
+        kind = type(config).__name__
+        raise ConfigurationError(f"a launch is the name of a file, or a mapping, not a {kind}")
     else:
         path = find_file(config, beside)
         faults = Faults(str(path))
@@ -57,8 +61,12 @@ def read_checked(
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        data = path.read_bytes()
     except OSError as error:
         raise ConfigurationError(f"{path}: {error.strerror}") from error
-    except ValueError as error:
-        raise ConfigurationError(f"{path}: {one_line(str(error))}") from error
+    try:
+        # Line ends as in a file that is read as text.
+        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise ConfigurationError(f"{path}:{line}: {one_line(str(error))}") from error

@@ -70,7 +70,7 @@ class Entry:
     place: int = -1
     """Its place among all starts; -1 before the first."""
     met: set[Condition] = field(factory=set)
-    """Conditions that its present run has met."""
+    """Conditions that any of its runs has met: the others wait for their first start only."""
     detail: str = ""
     """Reason for the state, or the thing it waits for; may be empty."""
     due_ns: int | None = None
@@ -282,21 +282,35 @@ class Fleet:
 
     def _start_ready(self, now_ns: int) -> None:
         """Start every program that has waited long enough; fail those that would wait for ever."""
-        for entry in self.entries.values():
-            if entry.state != "waiting" or self.is_stopping:
-                continue
-            missing = list(self._missing(entry))
-            hopeless = [key for key, _ in missing if self.entries[key].state in _OVER]
-            if hopeless:
-                self._fail(entry, f"{hopeless[0]} has ended, and it waits", now_ns)
-                self._start_ready(now_ns)
-                return
-            detail = "for " + ", ".join(f"{key}: {condition}" for key, condition in missing)
-            if not missing:
-                self._start(entry, now_ns)
-            elif detail != entry.detail:
-                entry.detail = detail
-                self._hands.changed(entry)
+        # The end of one may take the hope of another.
+        while any(self._start_or_fail(entry, now_ns) for entry in self.entries.values()):
+            pass
+
+    def _start_or_fail(self, entry: Entry, now_ns: int) -> bool:
+        """Start a program if nothing is missing; return whether it has failed instead."""
+        if entry.state != "waiting" or self.is_stopping:
+            return False
+        missing = list(self._missing(entry))
+        if not missing:
+            self._start(entry, now_ns)
+            return False
+        for key, _ in missing:
+            if why := self._hopeless(self.entries[key]):
+                self._fail(entry, f"{key} {why}, and it waits", now_ns)
+                return True
+        detail = "for " + ", ".join(f"{key}: {condition}" for key, condition in missing)
+        if detail != entry.detail:
+            entry.detail = detail
+            self._hands.changed(entry)
+        return False
+
+    def _hopeless(self, entry: Entry) -> str:
+        """Return why a program will not meet a condition any more; empty if it may."""
+        if entry.state in _OVER:
+            return "has ended" if entry.place >= 0 else "never started"
+        # A user may start it again, as long as the run lasts.
+        lasts = any(e.is_alive or e.state == "restarting" for e in self.entries.values())
+        return "was stopped" if entry.state == "stopped" and not lasts else ""
 
     def _missing(self, entry: Entry) -> Iterator[tuple[str, Condition]]:
         for key, condition in entry.program.after.items():
@@ -315,7 +329,6 @@ class Fleet:
             entry.due_ns = now_ns + int(entry.program.after_timeout_s * _NS_PER_S)
 
     def _start(self, entry: Entry, now_ns: int) -> None:
-        entry.met.clear()
         entry.status = None
         entry.detail = ""
         entry.due_ns = None

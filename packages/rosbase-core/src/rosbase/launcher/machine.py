@@ -5,31 +5,24 @@ import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
-from attrs import frozen
-
 from rosbase.control.programs import CONTROL_VARIABLE
+from rosbase.errors import ConfigurationError
 from rosbase.launcher.description import Description, Faults, Program, Session
+from rosbase.launcher.description.outside import at_home
+from rosbase.launcher.first_words import Word, first_words
 from rosbase.launcher.readiness import ASKED
 from rosbase.launcher.shell import preparation, shell_path, with_our_python
+from rosbase.program.files import read_file
 from rosbase.runtime.signal_masks import background_thread
 from rosbase.text.printable import one_line, printable
 
 __all__ = ["check_machine", "environment_for"]
 
 _PROBE_S = 60.0
-_ASSIGNMENT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*=", re.ASCII)
-# Anything of a shell that needs a shell to be understood.
-_BY_THE_SHELL = re.compile(r"[$`(){}<>*?\[\]\\!\"']")
-_SEPARATORS = re.compile(r"[;&|\n]")
-_BEFORE_A_COMMAND = {"exec", "time", "nohup", "!"}
-# Commands after which the same words may mean something else.
-_CHANGING = re.compile(
-    r"(?:^|[;&|\s])(?:(?:cd|pushd|popd|\.|source|export|eval|conda|alias|function|module)\s|PATH=)"
-    r"|\(\)"
-)
+_GRAMMAR = re.compile(r"\b(?:shopt|alias)\b")
 _FOUND, _READY = "found", "ready"
 _OFF = ("off", "0", "false")
 
@@ -45,16 +38,11 @@ def check_machine(description: Description, faults: Faults) -> None:
     for session in description.sessions:
         _check_session(session, faults)
     _check_sockets(description, faults)
-    cpus: dict[int, bool] = {}
+    absent = _absent({cpu for program in description.programs for cpu in program.cpus})
     for program in description.programs:
-        missing = []
-        for cpu in program.cpus:
-            if cpu not in cpus:
-                cpus[cpu] = _has_cpu(cpu)
-            if not cpus[cpu]:
-                missing.append(str(cpu))
+        missing = [str(cpu) for cpu in program.cpus if cpu in absent]
         if missing:
-            shown = ", ".join(missing[:10])
+            shown = ", ".join(missing[:10]) + (", ..." if len(missing) > 10 else "")
             has = f"this machine has {os.cpu_count()}"
             faults.add(program.lines.get("cpus", 0), f"no CPU {shown} for '{program.key}': {has}")
 
@@ -80,18 +68,19 @@ def _check_session(session: Session, faults: Faults) -> None:
         text = f"ros_setup: no file {printable(str(setup))}"
         faults.add(session.lines.get("ros_setup", 0), text)
         setup = None
-    wanted: list[_Word] = []
+    wanted: list[Word] = []
     for program in session.programs:
         if session.workspace.is_dir() and not program.folder.is_dir():
             text = f"project: no folder {printable(str(program.folder))}"
             faults.add(program.lines.get("project", program.lines.get("", 0)), text)
         for file in program.parameter_files:
-            if not file.is_file():
-                text = f"parameters: no file {printable(str(file))}"
-                faults.add(program.lines.get("parameters", 0), text)
-        wanted += _words(program)
+            if problem := _problem_of_parameters(file):
+                faults.add(program.lines.get("parameters", 0), f"parameters: {problem}")
+        if problem := _problem_of_grammar(program):
+            faults.add(program.lines.get("command", 0), f"command of '{program.key}': {problem}")
+        wanted += first_words(program)
     # One shell for all programs that are looked for in the same places.
-    by_path: dict[str, list[_Word]] = {}
+    by_path: dict[str, list[Word]] = {}
     for word in wanted:
         by_path.setdefault(word.program.environment.get("PATH", ""), []).append(word)
     if session.conda_env and not by_path:
@@ -100,60 +89,45 @@ def _check_session(session: Session, faults: Faults) -> None:
         _probe(session, setup, words, faults)
 
 
-@frozen
-class _Word:
-    """The first word of a command: a program that must exist."""
-
-    program: Program
-    text: str
-
-    @property
-    def line(self) -> int:
-        return self.program.lines.get("command", 0)
-
-
-def _words(program: Program) -> Iterator[_Word]:
-    """Yield the programs with which the commands begin, as far as no shell is needed to tell.
-
-    A file must exist only if it belongs to the first command: a later one may have been made, or
-    be in another folder.
-    """
-    for number, command in enumerate(program.commands):
-        words = _plain_words(_SEPARATORS.split(command)[0])
-        if words and ("/" not in words[0] or not number):
-            yield _Word(program, words[0])
-        if words and not number:
-            yield from _script_of(program, words)
-        if _CHANGING.search(command):
-            return
-
-
-def _plain_words(command: str) -> list[str]:
+def _problem_of_parameters(file: Path) -> str:
+    """Return why a parameter file cannot be used; empty if it can."""
+    if not file.is_file():
+        return f"no file {printable(str(file))}"
     try:
-        words = shlex.split(command, comments=True)
-    except ValueError:
-        return []
-    while words and (_ASSIGNMENT.match(words[0]) or words[0] in _BEFORE_A_COMMAND):
-        del words[0]
-    return [] if not words or _BY_THE_SHELL.search(words[0]) else words
+        read_file(file)
+    except ConfigurationError as error:
+        return str(error)
+    return ""
 
 
-def _script_of(program: Program, words: list[str]) -> Iterator[_Word]:
-    """Yield the script that Python is to run, as a path."""
-    if len(words) < 2 or not re.fullmatch(r"(.*/)?python[0-9.]*", words[0]):
-        return
-    file = words[1]
-    if file.endswith(".py") and not (file.startswith("-") or _BY_THE_SHELL.search(file)):
-        yield _Word(program, file if "/" in file else f"./{file}")
+def _problem_of_grammar(program: Program) -> str:
+    """Return what the shell does not understand in the commands; empty if it may run them."""
+    text = "\n".join(program.commands)
+    # They change the grammar, as far as they are executed.
+    if not text or _GRAMMAR.search(text):
+        return ""
+    try:
+        done = subprocess.run(
+            [shell_path(os.environ), "-n", "-c", text],
+            check=False,
+            capture_output=True,
+            stdin=subprocess.DEVNULL,
+            timeout=_PROBE_S,
+        )
+    except (OSError, ValueError, subprocess.TimeoutExpired):
+        return ""
+    said = done.stderr.decode(errors="replace").splitlines() if done.returncode else []
+    # `bash: -c: line 2: syntax error ...`
+    return one_line(said[0].rpartition(": line ")[2].partition(": ")[2]) if said else ""
 
 
-def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Faults) -> None:
+def _probe(session: Session, setup: Path | None, words: list[Word], faults: Faults) -> None:
     """Look for the programs in a shell that is prepared as theirs, and note the missing ones."""
     paths = [word for word in words if "/" in word.text]
     for word in paths:
-        path = word.program.folder / Path(word.text).expanduser()
-        if word.program.folder.is_dir() and not path.exists():
-            faults.add(word.line, f"command of '{word.program.key}': no file {word.text}")
+        path = word.program.folder / _as_bash(word.text)
+        if word.program.folder.is_dir() and (problem := _problem_of(path, word)):
+            faults.add(word.line, f"command of '{word.program.key}': {problem}")
     names = sorted({word.text for word in words if "/" not in word.text})
     if not (names or session.conda_env):
         return
@@ -167,8 +141,26 @@ def _probe(session: Session, setup: Path | None, words: list[_Word], faults: Fau
             faults.add(word.line, text)
 
 
+def _problem_of(path: Path, word: Word) -> str:
+    """Return why a file cannot be run; empty if it can."""
+    shown = printable(word.text)
+    if not path.exists():
+        return f"no file {shown}"
+    if path.is_dir():
+        return f"{shown} is a folder"
+    return "" if word.is_script or os.access(path, os.X_OK) else f"{shown} is not executable"
+
+
+def _as_bash(text: str) -> Path:
+    """Return the path of a word; bash leaves the `~` of an unknown user as it is."""
+    try:
+        return at_home(text)
+    except ConfigurationError:
+        return Path(text)
+
+
 def _ask_shell(
-    session: Session, setup: Path | None, names: list[str], words: list[_Word]
+    session: Session, setup: Path | None, names: list[str], words: list[Word]
 ) -> tuple[set[str] | None, str]:
     """Return the names that are programs; None, and the reason, if the shell cannot be prepared."""
     environment = dict(os.environ)
@@ -197,6 +189,9 @@ def _ask_shell(
         )
     except subprocess.TimeoutExpired:
         return None, f"{what}: it takes longer than {_PROBE_S:.0f} s"
+    except (OSError, ValueError) as error:
+        # Such as an environment that is too large.
+        return None, f"the shell for the programs cannot start: {one_line(str(error))}"
     lines = done.stdout.decode(errors="replace").splitlines()
     if _READY not in lines:
         said = [line for line in done.stderr.decode(errors="replace").splitlines() if line.strip()]
@@ -205,18 +200,19 @@ def _ask_shell(
     return {line.removeprefix(prefix) for line in lines if line.startswith(prefix)}, ""
 
 
-def _has_cpu(cpu: int) -> bool:
-    """Return whether a thread of this process may run there: the thread tries it."""
-    answer: list[bool] = []
+def _absent(cpus: set[int]) -> set[int]:
+    """Return the CPUs on which no thread of this process may run: a thread tries each."""
+    absent: set[int] = set()
 
     def attempt() -> None:
-        try:
-            os.sched_setaffinity(0, {cpu})
-            answer.append(True)
-        except (OSError, OverflowError, ValueError):
-            answer.append(False)
+        for cpu in cpus:
+            try:
+                os.sched_setaffinity(0, {cpu})
+            except (OSError, OverflowError, ValueError):
+                absent.add(cpu)
 
-    thread = background_thread(attempt, "CPU")
-    thread.start()
-    thread.join()
-    return answer[0]
+    if cpus:
+        thread = background_thread(attempt, "CPU")
+        thread.start()
+        thread.join()
+    return absent

@@ -55,8 +55,11 @@ def preparation(ros_setup: Path | None, conda_env: str) -> str:
 
 def script(session: Session, program: Program) -> str:
     """Return the script that runs a program; its status is that of the last command."""
+    prepared = preparation(session.ros_setup, session.conda_env)
     lines: Iterable[str] = [
-        preparation(session.ros_setup, session.conda_env),
+        # As the check does, and wherever the shell begins: in the folder of the user, or of a pane.
+        f"cd {shlex.quote(str(session.workspace))} || exit 1" if prepared else "",
+        prepared,
         f"cd {shlex.quote(str(program.folder))} || exit 1",
         _END if len(program.commands) > 1 else "",
         *program.commands[:-1],

@@ -28,9 +28,11 @@ def show_processes(given: Any) -> None:
         return
     rows = [row for process in found for row in _rows(process)]
     print(columns([_HEAD, *rows], right=(0, 5, 6, 7, 8, 9)))
-    if started:
-        table = columns([_LAUNCHED_HEAD, *map(_launched, started)], right=(0, 3))
-        print(f"\nstarted by rosbase up:\n{table}")
+    launchers = dict.fromkeys(one["launcher"] for one in started)
+    for launcher in launchers:
+        own = [_launched(one) for one in started if one["launcher"] == launcher]
+        which = f" [{launcher}]" if len(launchers) > 1 else ""
+        print(f"\nstarted by rosbase up{which}:\n{columns([_LAUNCHED_HEAD, *own], right=(0, 3))}")
 
 
 def _rows(process: Process) -> list[tuple[str, ...]]:

@@ -121,7 +121,10 @@ class ProgramQuestions(Questions):
         if (one := self._launched_as(str(name))) is not None:
             ask_one(one["launcher"], "launcher.stop", {"name": one["name"]}, wait_s=_RESTART_S)
             return one["name"]
-        process = self._named(str(name))
+        try:
+            process = self._named(str(name))
+        except ControlError as error:
+            raise _explained(error, str(name), self.launched()) from None
         connection = connect_to(process["pid"])
         try:
             connection.ask("stop", {}, wait_s=timeout_s)
@@ -156,6 +159,28 @@ class ProgramQuestions(Questions):
         # Within a session, programs have short names.
         those = those or [o for o in found if name == o["name"].rpartition("/")[2]]
         if len(those) > 1:
-            who = ", ".join(f"process {one['launcher']}" for one in those)
-            raise ControlError(f"several launchers have a program {name}: {who}", "ambiguous")
+            raise _several(name, those)
         return those[0] if those else None
+
+
+def _several(name: str, those: list[Launched]) -> ControlError:
+    """Return the error for a name that several programs of launchers have."""
+    if len({one["launcher"] for one in those}) == 1:
+        keys = [one["name"] for one in those]
+        return ControlError(f"{name} may be {' or '.join(keys)}", "ambiguous", keys)
+    who = ", ".join(
+        f"{one['name']} [{one['pid'] or one['state']}] of launcher [{one['launcher']}]"
+        for one in those
+    )
+    pids = [str(one["pid"]) for one in those if one["pid"]]
+    text = f"several launchers have a program {name}: {who}; choose one by its number"
+    return ControlError(text, "ambiguous", pids)
+
+
+def _explained(error: ControlError, name: str, launched: list[Launched]) -> ControlError:
+    """Return an error, or a better one if a program of a launcher may have been meant."""
+    from rosbase.control import names
+
+    known = [one["name"] for one in launched]
+    is_like_one = error.kind == "unknown" and not error.suggestions and names.similar(name, known)
+    return names.unknown("program", name, known) if is_like_one else error

@@ -12,6 +12,7 @@ from rosbase.text.printable import printable
 __all__ = ["read_conditions"]
 
 _KINDS: tuple[ConditionKind, ...] = get_args(ConditionKind)
+_TOKEN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|[()]|[*+]|\{\d*,\}", re.DOTALL)
 _LOG = re.compile(r"log\s*:\s*(.*)", re.DOTALL)
 
 
@@ -66,4 +67,28 @@ def _log(pattern: str, line: int, faults: Faults) -> Condition | None:
     if not pattern:
         faults.add(line, "log: needs a pattern")
         return None
+    if _repeats_a_repetition(pattern):
+        text = f"the pattern {printable(pattern)!r} repeats a repetition, as in (a+)+, which may"
+        faults.add(line, f"{text} take for ever")
+        return None
     return Condition("log", pattern)
+
+
+def _repeats_a_repetition(pattern: str) -> bool:
+    """Return whether a group without a limit has one more within; a search in it may never end."""
+    # For each open group: whether there is a repetition in it. The first is the whole pattern.
+    groups, closed, last, end = [False], False, False, 0
+    for token in _TOKEN.finditer(pattern):
+        word = token[0]
+        follows_a_group = closed and token.start() == end
+        closed = False
+        if word == "(":
+            groups.append(False)
+        elif word == ")" and len(groups) > 1:
+            closed, last, end = True, groups.pop(), token.end()
+            groups[-1] |= last
+        elif word[0] in "*+{":
+            if follows_a_group and last:
+                return True
+            groups[-1] = True
+    return False

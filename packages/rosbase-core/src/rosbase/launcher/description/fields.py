@@ -1,8 +1,11 @@
 """Take the fields of a mapping one by one, and note what is wrong with them."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
+from rosbase.errors import ConfigurationError
+from rosbase.launcher.description.outside import at_home, objection_to
 from rosbase.launcher.description.tree import Faults, Value
 from rosbase.parameters.checking import did_you_mean
 from rosbase.text.printable import printable
@@ -66,7 +69,22 @@ class Fields:
         if not value.is_scalar:
             self._wrong_kind(key, "a text")
             return default
+        if objection := objection_to(value.text):
+            self.fault(key, f"{key} {objection}")
+            return default
         return value.text
+
+    def path(self, key: str, folder: Path, default: str = ".") -> Path:
+        """Return a path, which is relative to the folder or begins with `~`."""
+        return folder / self.at_home(key, self.text(key, default))
+
+    def at_home(self, key: str, text: str) -> Path:
+        """Return the path that a text of the field means, after noting an unknown home."""
+        try:
+            return at_home(text)
+        except ConfigurationError as error:
+            self.fault(key, f"{key}: {error}")
+            return Path(text)
 
     def flag(self, key: str, *, default: bool) -> bool:
         """Return true or false."""
@@ -110,8 +128,13 @@ class Fields:
             self._wrong_kind(key, what)
             return
         for name, item in value.data.items():
-            if item.is_scalar or item.data is None:
+            if objection := objection_to(item.text):
+                self._faults.add(item.line, f"{key}: '{printable(name)}' {objection}")
+            elif item.is_scalar:
                 yield name, item.text
+            elif item.data is None:
+                # Not as it is written, which may be `~` or `null`.
+                yield name, ""
             else:
                 self._faults.add(
                     item.line, f"{key}: '{printable(name)}' is a text, not {item.kind}"

@@ -9,6 +9,7 @@ from rosbase.launcher.description.conditions import read_conditions
 from rosbase.launcher.description.cpus import read_cpus
 from rosbase.launcher.description.fields import Fields
 from rosbase.launcher.description.model import Condition, Program
+from rosbase.launcher.description.outside import objection_to
 from rosbase.launcher.description.tree import Faults, Value
 from rosbase.parameters.checking import did_you_mean
 from rosbase.parameters.given import GivenValue
@@ -46,21 +47,25 @@ def read_program(
     what = f"program '{shown}'" if shown else f"program {number}"
     fields = Fields(value, what, PROGRAM_KEYS, faults)
     name = fields.text("name", f"program{number}", is_required=isinstance(value.data, dict))
-    if shown and not (_NAME.fullmatch(name) and name.isprintable()):
+    if not name:
+        fields.fault("name", f"{what} has an empty name")
+    elif not (_NAME.fullmatch(name) and name.isprintable()):
         fields.fault("name", f"the name {name!r} has blanks, or one of / : , or begins with -")
     policy = _restart(fields, faults)
-    files, parameters = _parameters(fields, workspace, faults)
+    folder = fields.path("project", workspace)
+    files, parameters = _parameters(fields, folder, faults)
+    after, lines = _after(fields, faults)
     return Program(
         name=name,
         key=name,
         session=session,
-        folder=workspace / Path(fields.text("project", ".")).expanduser(),
-        commands=_commands(fields, what),
+        folder=folder,
+        commands=_commands(fields, what, faults),
         autostart=fields.flag("autostart", default=True),
         cpus=_cpus(fields),
-        environment=_environment(fields),
+        environment=_environment(fields, faults),
         restart=policy,
-        after=_after(fields, faults),
+        after=after,
         after_timeout_s=fields.number("after_timeout_s", None),
         stop_timeout_s=fields.number("stop_timeout_s", None),
         is_required=fields.flag("required", default=False),
@@ -68,25 +73,29 @@ def read_program(
         parameter_files=files,
         backend=fields.text("backend"),
         on_a_terminal=fields.flag("pty", default=False),
-        lines=fields.lines(),
+        lines={**fields.lines(), **lines},
     )
 
 
-def _commands(fields: Fields, what: str) -> tuple[str, ...]:
+def _commands(fields: Fields, what: str, faults: Faults) -> tuple[str, ...]:
     value = fields.value("command")
     if value is None:
         fields.fault("command", f"{what} has no command")
         return ()
     if not isinstance(value.data, list):
-        text = fields.text("command")
-        if not text.strip():
+        if value.is_scalar and not value.text.strip():
             fields.fault("command", f"{what} has an empty command")
-        return (text,)
-    commands = [item.text for item in value.data if item.is_scalar]
-    if len(commands) < len(value.data) or not all(command.strip() for command in commands):
-        fields.fault("command", "command is a text, or a list of texts that are not empty")
-    elif not commands:
+        return (fields.text("command"),)
+    if not value.data:
         fields.fault("command", f"{what} has an empty list of commands")
+    commands = []
+    for item in value.data:
+        if not item.is_scalar or not item.text.strip():
+            faults.add(item.line, "command is a text, or a list of texts that are not empty")
+        elif objection := objection_to(item.text):
+            faults.add(item.line, f"command {objection}")
+        else:
+            commands.append(item.text)
     return tuple(commands)
 
 
@@ -95,22 +104,29 @@ def _cpus(fields: Fields) -> tuple[int, ...]:
     if value is None:
         return ()
     if isinstance(value.data, list) and all(item.is_scalar for item in value.data):
+        if not value.data:
+            return ()
         text = ",".join(item.text for item in value.data)
+    elif value.is_scalar:
+        text = value.text
     else:
-        text = fields.text("cpus")
+        fields.text("cpus")
+        return ()
     try:
-        return read_cpus(text) if text else ()
+        return read_cpus(text)
     except ValueError:
         fields.fault("cpus", f"cpus is a list such as 7, 4-5 or 0,2, not {printable(text)!r}")
         return ()
 
 
-def _environment(fields: Fields) -> dict[str, str]:
+def _environment(fields: Fields, faults: Faults) -> dict[str, str]:
     variables = fields.texts_by_name("env", "a mapping of environment variables")
-    for name, text in variables.items():
-        if not _VARIABLE.fullmatch(name) or "\0" in text:
-            fields.fault("env", f"env: {printable(name)!r} is no environment variable")
-    return variables
+    value = fields.value("env")
+    for name in variables:
+        if value is not None and not _VARIABLE.fullmatch(name):
+            line = value.data[name].line
+            faults.add(line, f"env: {printable(name)!r} is no environment variable")
+    return {name: text for name, text in variables.items() if _VARIABLE.fullmatch(name)}
 
 
 def _restart(fields: Fields, faults: Faults) -> RestartPolicy:
@@ -141,18 +157,21 @@ def _policy(fields: Fields, key: str, value: Value | None) -> RestartWhen:
     return "never"
 
 
-def _after(fields: Fields, faults: Faults) -> dict[str, Condition]:
+def _after(fields: Fields, faults: Faults) -> tuple[dict[str, Condition], dict[str, int]]:
+    """Return the conditions, and their lines by `after NAME`."""
     value = fields.value("after")
     found: dict[str, Condition] = {}
+    lines: dict[str, int] = {}
     for name, condition, line in () if value is None else read_conditions(value, faults):
         if name in found:
             faults.add(line, f"after has '{printable(name)}' twice")
         found[name] = condition
-    return found
+        lines[f"after {name}"] = line
+    return found, lines
 
 
 def _parameters(
-    fields: Fields, workspace: Path, faults: Faults
+    fields: Fields, folder: Path, faults: Faults
 ) -> tuple[tuple[Path, ...], tuple[GivenValue, ...]]:
     """Return the parameter files and the parameters: a file, files, or values by name."""
     value = fields.value("parameters")
@@ -168,8 +187,7 @@ def _parameters(
     if not all(isinstance(item.data, str) for item in items):
         fields.fault("parameters", "parameters is a mapping, a file, or a list of files")
         return (), ()
-    folder = workspace / Path(fields.text("project", ".")).expanduser()
-    return tuple(folder / Path(item.text).expanduser() for item in items), ()
+    return tuple(folder / fields.at_home("parameters", item.text) for item in items), ()
 
 
 def _flat(value: Value, prefix: str, faults: Faults) -> Iterator[tuple[str, Any]]:

@@ -12,7 +12,7 @@ from rosbase.launcher.description.tree import Faults, Value, as_tree
 
 __all__ = ["read_mapping", "read_text"]
 
-_YAML = (".yaml", ".yml")
+_YAML, _TOML = (".yaml", ".yml"), ".toml"
 _NAMELESS = "rosbase"
 
 
@@ -25,9 +25,13 @@ def read_text(text: str, path: Path, faults: Faults) -> Description:
         faults: Where mistakes are noted.
 
     Raises:
-        ConfigurationError: The file is YAML, and PyYAML is not installed.
+        ConfigurationError: The name tells no format, or the file is YAML, and PyYAML is not
+            installed.
     """
-    tree = _yaml(text, faults) if path.suffix in _YAML else read_toml(text, faults)
+    suffix = path.suffix.lower()
+    if suffix not in (*_YAML, _TOML):
+        raise ConfigurationError(f"{path}: the name ends in none of .yaml, .yml and .toml")
+    tree = read_toml(text, faults) if suffix == _TOML else _yaml(text, faults)
     if tree is None:
         return Description((), faults.file)
     return read_description(tree, path.absolute().parent, path.stem, faults)
@@ -35,7 +39,12 @@ def read_text(text: str, path: Path, faults: Faults) -> Description:
 
 def read_mapping(config: Mapping[str, Any], folder: Path, faults: Faults) -> Description:
     """Return the description in a mapping that a program has made; relative to that folder."""
-    return read_description(as_tree(config), folder, _NAMELESS, faults)
+    try:
+        tree = as_tree(config)
+    except RecursionError:
+        faults.add(0, "nested too deeply")
+        return Description(())
+    return read_description(tree, folder, _NAMELESS, faults)
 
 
 def _yaml(text: str, faults: Faults) -> Value | None:

@@ -1,5 +1,6 @@
 """A whole description, from the tree of a file: sessions, and the programs within."""
 
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -18,8 +19,10 @@ __all__ = ["ENV_KEYS", "read_description"]
 _SESSION_KEYS = ("env", "nodes")
 ENV_KEYS = ("session_name", "workspace_root", "ros_setup", "conda_env")
 """Keys of the `env` of a session."""
-# A window of tmux is called session:window.pane.
-_AS_TMUX = str.maketrans(".: ", "___")
+_EXTRA = "x-"
+# A window of tmux is called session:window.pane, `$1` is a session by its number, and a shell reads
+# the name in `tmux attach -t NAME`.
+_NOT_OF_TMUX = re.compile(r"[^\w-]")
 
 
 def read_description(tree: Value, folder: Path, stem: str, faults: Faults) -> Description:
@@ -42,7 +45,7 @@ def read_description(tree: Value, folder: Path, stem: str, faults: Faults) -> De
 def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Session]:
     if not (isinstance(tree.data, dict) and "sessions" in tree.data):
         return [_session(tree, folder, stem, "the file", faults)]
-    fields = Fields(tree, "a file with sessions", ("sessions",), faults)
+    fields = Fields(_without_extras(tree), "a file with sessions", ("sessions",), faults)
     found = fields.items("sessions", "a list of sessions")
     if not found and isinstance((value := tree.data["sessions"]).data, (list, type(None))):
         faults.add(value.line, "the list of sessions is empty")
@@ -53,11 +56,19 @@ def _sessions(tree: Value, folder: Path, stem: str, faults: Faults) -> list[Sess
     ]
 
 
+def _without_extras(value: Value) -> Value:
+    """Return a mapping without the keys for the user's own things, such as anchors of YAML."""
+    if not isinstance(value.data, dict):
+        return value
+    own = {key: item for key, item in value.data.items() if not key.startswith(_EXTRA)}
+    return Value(own, value.line)
+
+
 def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -> Session:
-    fields = Fields(value, what, _SESSION_KEYS, faults)
+    fields = Fields(_without_extras(value), what, _SESSION_KEYS, faults)
     env = Fields(fields.value("env") or Value({}, fields.line), "env", ENV_KEYS, faults)
-    name = env.text("session_name", stem).translate(_AS_TMUX) or stem
-    workspace = folder / Path(env.text("workspace_root", ".")).expanduser()
+    name = _NOT_OF_TMUX.sub("_", env.text("session_name") or stem)
+    workspace = env.path("workspace_root", folder)
     nodes = fields.items("nodes", "a list of programs")
     if isinstance(value.data, dict) and "nodes" not in fields:
         faults.add(fields.line_of("nodes"), f"{what} has no nodes")
@@ -71,12 +82,11 @@ def _session(value: Value, folder: Path, stem: str, what: str, faults: Faults) -
             where = f" (line {seen[program.name]})" if seen[program.name] else ""
             faults.add(line, f"two programs are called '{printable(program.name)}'{where}")
         seen.setdefault(program.name, line)
-    setup = env.text("ros_setup")
     return Session(
         name=name,
         workspace=workspace,
         programs=tuple(programs),
-        ros_setup=folder / Path(setup).expanduser() if setup else None,
+        ros_setup=env.path("ros_setup", folder) if env.text("ros_setup") else None,
         conda_env=env.text("conda_env"),
         lines={**fields.lines(), **{k: line for k, line in env.lines().items() if k}},
     )
@@ -115,10 +125,10 @@ def _resolved(
     program: Program, session: Session, everybody: list[Program], faults: Faults
 ) -> dict[str, Condition]:
     found = {}
-    line = program.lines.get("after", 0)
     own = {one.name: one.key for one in session.programs}
     keys = {one.key: one.key for one in everybody} | own
     for name, condition in program.after.items():
+        line = program.lines.get(f"after {name}", 0)
         if name in keys:
             found[keys[name]] = condition
         elif not any(one.name == name for one in everybody):
@@ -133,7 +143,10 @@ def _resolved(
 def _refuse_circles(description: Description, faults: Faults) -> None:
     programs = {program.key: program for program in description.programs}
     for circle in circles({key: list(program.after) for key, program in programs.items()}):
-        line = programs[circle[0]].lines.get("after", 0)
+        lines = programs[circle[0]].lines
+        waits_for = programs[circle[1 % len(circle)]]
+        names = (waits_for.key, waits_for.name, "")
+        line = next((lines[f"after {n}"] for n in names if f"after {n}" in lines), 0)
         if len(circle) == 1:
             faults.add(line, f"'{circle[0]}' waits for itself")
         else:

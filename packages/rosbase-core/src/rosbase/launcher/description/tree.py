@@ -8,6 +8,9 @@ from attrs import define, field, frozen
 __all__ = ["Fault", "Faults", "Value", "as_tree"]
 
 
+_DEEPEST = 32
+
+
 @frozen
 class Fault:
     """A mistake in a file."""
@@ -76,6 +79,9 @@ def as_tree(
         data: The data.
         line: Line of the data itself.
         lines: Lines of what is within, by path; a path that is missing has the line around it.
+
+    Raises:
+        RecursionError: It is nested too deeply, as data that contains itself.
     """
     return _tree(data, (), line, lines or {})
 
@@ -84,6 +90,8 @@ def _tree(
     data: object, path: tuple[Any, ...], line: int, lines: Mapping[tuple[Any, ...], int]
 ) -> Value:
     line = lines.get(path, line)
+    if len(path) > _DEEPEST:
+        raise RecursionError("nested too deeply")
     if isinstance(data, Mapping):
         entries = {str(key): _tree(value, (*path, key), line, lines) for key, value in data.items()}
         return Value(entries, line)

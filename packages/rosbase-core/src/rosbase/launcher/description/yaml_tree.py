@@ -37,12 +37,6 @@ class _Reader:
         return self._scalar(node, line)
 
     def _entries(self, node: yaml.MappingNode, depth: int) -> dict[str, Value]:
-        seen: dict[str, int] = {}
-        for key, _ in node.value:
-            name = str(key.value)
-            if name in seen and key.tag != _MERGE:
-                self._faults.add(_line(key), f"'{name}' is already in line {seen[name]}")
-            seen.setdefault(name, _line(key))
         self._tools.flatten_mapping(node)
         entries = {}
         for key, value in node.value:
@@ -57,8 +51,8 @@ class _Reader:
         if node.tag in _PLAIN:
             try:
                 data = self._tools.construct_object(node)
-            except (yaml.YAMLError, ValueError):
-                # A number that only looks like one to the pattern of YAML.
+            except (yaml.YAMLError, ValueError, LookupError):
+                # A number that only looks like one to the pattern of YAML, or `!!bool maybe`.
                 pass
         return Value(data, line, node.value)
 
@@ -71,15 +65,41 @@ def read_yaml(text: str, faults: Faults) -> Value | None:
             why = "a second document begins here" if documents else "the file is empty"
             faults.add(_line(documents[1]) if documents else 0, why)
             return None
+        _refuse_repeats(documents[0], faults)
         return _Reader(faults).tree(documents[0], _line(documents[0]))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         faults.add(mark.line + 1 if mark else 0, f"not YAML: {error.problem or error}")
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        faults.add(line, f"not YAML: {error.reason}: #x{error.character:04x}")
     except (_TooMuchError, RecursionError):
         faults.add(0, "nested too deeply, or too large")
     except yaml.YAMLError as error:
         faults.add(0, f"not YAML: {error}")
     return None
+
+
+def _refuse_repeats(root: yaml.Node, faults: Faults) -> None:
+    """Note keys that a mapping has twice, before merged keys come to its own."""
+    seen, left = {id(root)}, [root]
+    while left:
+        node = left.pop()
+        within = [*node.value] if isinstance(node, yaml.SequenceNode) else []
+        if isinstance(node, yaml.MappingNode):
+            _refuse_repeats_in(node, faults)
+            within = [value for _, value in node.value]
+        left += [one for one in within if id(one) not in seen]
+        seen.update(map(id, within))
+
+
+def _refuse_repeats_in(node: yaml.MappingNode, faults: Faults) -> None:
+    lines: dict[str, int] = {}
+    for key, _ in node.value:
+        name = str(key.value)
+        if name in lines and key.tag != _MERGE:
+            faults.add(_line(key), f"'{name}' is already in line {lines[name]}")
+        lines.setdefault(name, _line(key))
 
 
 def _line(node: yaml.Node) -> int:

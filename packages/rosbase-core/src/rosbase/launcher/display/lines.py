@@ -4,6 +4,7 @@ import logging
 from collections.abc import Sequence
 
 from rosbase.cli.panel.style import Style
+from rosbase.text.cells import cut, padded, width
 from rosbase.text.printable import log_line
 
 __all__ = ["Labels"]
@@ -24,14 +25,14 @@ class Labels:
             keys: Keys of all programs, in the order of the file.
             style: What the terminal supports.
         """
-        self.width = min(_WIDEST, max(map(len, keys), default=0))
-        """Width of the names, in characters."""
+        self.width = min(_WIDEST, max(map(width, keys), default=0))
+        """Width of the names, in cells of the terminal."""
         self._style = style
         self._colours = {key: _COLOURS[n % len(_COLOURS)] for n, key in enumerate(keys)}
 
     def name(self, key: str) -> str:
-        """Return the name of a program, padded and in its colour."""
-        return self._style.paint(f"{key:<{self.width}}", self._colours.get(key, "cyan"))
+        """Return the name of a program, cut or padded to the width, and in its colour."""
+        return self._paint(key, padded(cut(key, self.width), self.width))
 
     def output(self, key: str, text: str, *, is_error: bool) -> str:
         """Return a line of a program's output."""
@@ -43,4 +44,8 @@ class Labels:
         return self._line(key, _NEWS, text, ("yellow",) if level == logging.WARNING else colour)
 
     def _line(self, key: str, separator: str, text: str, colours: tuple[str, ...]) -> str:
-        return f"{self.name(key)} {separator} {self._style.paint(log_line(text), *colours)}"
+        name = self._paint(key, padded(key, self.width))
+        return f"{name} {separator} {self._style.paint(log_line(text), *colours)}"
+
+    def _paint(self, key: str, name: str) -> str:
+        return self._style.paint(name, self._colours.get(key, "cyan"))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from rosbase.cli.panel.style import Style
 from rosbase.launcher.display.lines import Labels
 from rosbase.launcher.fleet import Entry, State
+from rosbase.text.cells import cut
 from rosbase.text.printable import printable
 
 __all__ = ["draw_table", "duration"]
@@ -74,13 +75,14 @@ def _row(
     entry: Entry, pid: int | None, now_ns: int, columns: int, labels: Labels, style: Style
 ) -> str:
     left = [f"{entry.state:<{_STATE_WIDTH}}", f"{pid or '':>8}"]
-    left.append(f"{duration(now_ns - entry.since_ns):>8}")
+    since = "" if entry.state == "disabled" else duration(now_ns - entry.since_ns)
+    left.append(f"{since:>8}")
     times = "1 restart" if entry.total_restarts == 1 else f"{entry.total_restarts} restarts"
     rest = [entry.detail] if entry.detail else []
     rest += [times] if entry.total_restarts else []
     begin = labels.width + 1
     text = "  ".join([*left, ", ".join(rest)]).rstrip()
-    text = printable(text, max(1, columns - begin))
+    text = cut(printable(text, columns), max(1, columns - begin))
     painted = style.paint(text[:_STATE_WIDTH], _COLOURS[entry.state])
     return f"{labels.name(entry.key)} {painted}{text[_STATE_WIDTH:]}"
 
@@ -94,4 +96,4 @@ def _summary(entries: Sequence[Entry], columns: int, style: Style) -> str:
     elif counts["stopping"]:
         hint = "; Ctrl-C again ends them at once"
     text = f"{len(entries)} programs: {', '.join(parts)}{hint}"
-    return style.paint(printable(text, columns), "dim")
+    return style.paint(cut(text, columns), "dim")

@@ -16,7 +16,7 @@ from rosbase.launcher.description import Description
 from rosbase.launcher.launches import ProgramLaunch
 from rosbase.launcher.ready_programs import ControlReadiness
 from rosbase.launcher.run import Run
-from rosbase.launcher.tmux.client import Tmux
+from rosbase.launcher.tmux.client import Tmux, session_size
 from rosbase.launcher.tmux.launch import PaneLaunch
 from rosbase.launcher.tmux.panes import Panes, opened
 from rosbase.launcher.tmux.replace import end_session
@@ -27,11 +27,17 @@ __all__ = ["main"]
 
 def main() -> None:
     """Run the programs that standard input describes."""
-    description, enabled, launches = pickle.load(sys.stdin.buffer)
+    description, enabled, launches, terminal = pickle.load(sys.stdin.buffer)
     clock = SystemClock()
     try:
         tmux = Tmux()
-        with opened(tmux, clock) as panes:
+        sizes = {
+            session.name: session_size(
+                terminal, sum(program.key in enabled for program in session.programs)
+            )
+            for session in description.sessions
+        }
+        with opened(tmux, clock, sizes) as panes:
             for session in description.sessions:
                 end_session(tmux, session.name)
             for program in description.programs:

@@ -9,14 +9,27 @@ from attrs import frozen
 from rosbase.errors import ConfigurationError
 from rosbase.text.printable import one_line
 
-__all__ = ["Pane", "Tmux"]
+__all__ = ["Pane", "Tmux", "session_size"]
 
 _WINDOW = "MAIN"
-# A detached session has no terminal, and many panes need room. It takes the size of the terminal
-# that attaches.
-_SIZE = ("-x", "240", "-y", "120")
+# Columns and lines of a session that nobody's terminal gives a size; many panes need room. It takes
+# the size of the terminal that attaches.
+_LARGE = (240, 120)
+# Lines that a pane needs, with its border.
+_PANE_LINES = 6
 _PANE = ("-P", "-F", "#{pane_id} #{pane_tty}")
 _TIMEOUT_S = 20.0
+
+
+def session_size(terminal: tuple[int, int] | None, panes: int) -> tuple[int, int]:
+    """Return columns and lines for a session with that number of panes.
+
+    They are those of the terminal, so that nothing moves when it attaches; a larger size if the
+    panes have no room there, or there is no terminal.
+    """
+    if terminal is None or panes > (terminal[1] // _PANE_LINES) ** 2:
+        return _LARGE
+    return terminal
 
 
 @frozen
@@ -43,31 +56,55 @@ class Tmux:
             raise ConfigurationError("tmux is not installed: sudo apt install tmux")
         self._path = found
 
-    def new_session(self, session: str, folder: str, command: str) -> Pane:
-        """Open a detached session with one window and one pane that runs a command."""
-        name = ("-d", "-s", session, "-n", _WINDOW)
-        pane = self._pane("new-session", *name, *_SIZE, "-c", folder, *_PANE, command)
+    def new_session(
+        self, session: str, folder: str, command: str, size: tuple[int, int] = _LARGE
+    ) -> Pane:
+        """Open a detached session with one window and one pane that runs a command.
+
+        Args:
+            session: Its name.
+            folder: Working directory of the command.
+            command: Command of the shell.
+            size: Columns and lines.
+        """
+        columns, lines = map(str, size)
+        name = ("-d", "-s", _literal(session), "-n", _WINDOW)
+        pane = self._pane(
+            "new-session",
+            *name,
+            "-x",
+            columns,
+            "-y",
+            lines,
+            "-c",
+            _literal(folder),
+            *_PANE,
+            command,
+        )
         for option, value in (
             ("remain-on-exit", "on"),
             ("allow-rename", "off"),
             ("automatic-rename", "off"),
             ("pane-border-status", "top"),
             ("pane-border-format", " #{pane_title} "),
+            # Its line, at the very bottom, would push the last words of the program out of sight.
+            ("remain-on-exit-format", ""),
         ):
-            self.run("set-window-option", "-t", pane.number, option, value)
+            # Quietly: tmux 3.2 does not know the last one.
+            self.run("set-window-option", "-q", "-t", pane.number, option, value)
         return pane
 
     def add_pane(self, session: str, folder: str, command: str) -> Pane:
         """Open one more pane in the window of a session."""
         window = f"={session}:{_WINDOW}"
-        pane = self._pane("split-window", "-t", window, "-c", folder, *_PANE, command)
+        pane = self._pane("split-window", "-t", window, "-c", _literal(folder), *_PANE, command)
         # After each, so that there is room for the next one.
         self.run("select-layout", "-t", window, "tiled")
         return pane
 
     def name_pane(self, pane: Pane, name: str) -> None:
         """Show the name of a program above its pane."""
-        self.run("select-pane", "-t", pane.number, "-T", name)
+        self.run("select-pane", "-t", pane.number, "-T", _literal(name))
 
     def respawn(self, pane: Pane, command: str) -> None:
         """Run a command in a pane whose command has ended."""
@@ -88,7 +125,7 @@ class Tmux:
 
     def copy_output(self, pane: Pane, command: str) -> None:
         """Give the output of a pane to the shell command as well."""
-        self.run("pipe-pane", "-t", pane.number, command)
+        self.run("pipe-pane", "-t", pane.number, _literal(command).replace("%", "%%"))
 
     def has_session(self, session: str) -> bool:
         """Return whether there is a session of exactly that name."""
@@ -125,7 +162,7 @@ class Tmux:
     def _call(self, *words: str) -> "subprocess.CompletedProcess[str]":
         try:
             return subprocess.run(
-                [self._path, *words],
+                [self._path, *map(_argument, words)],
                 check=False,
                 capture_output=True,
                 text=True,
@@ -135,3 +172,13 @@ class Tmux:
             )
         except subprocess.TimeoutExpired as error:
             raise OSError(f"tmux {words[0]}: no answer") from error
+
+
+def _literal(text: str) -> str:
+    """Return a text so that tmux does not expand it: `#(command)` would run the command."""
+    return text.replace("#", "##")
+
+
+def _argument(word: str) -> str:
+    """Return a word so that tmux does not take a semicolon at its end as the end of a command."""
+    return f"{word[:-1]}\\;" if word.endswith(";") else word

@@ -23,6 +23,8 @@ __all__ = ["Panes", "opened"]
 
 _PANE_SCRIPT = str(Path(__file__).with_name("pane.py"))
 _PREFIX = "rosbase-up-"
+# A socket's path has at most 107 bytes: unix(7).
+_LONGEST_FOLDER = 70
 _PATIENCE_NS = 10_000_000_000
 _LOOK_AGAIN_S = 0.05
 _ANSWER_S = 10.0
@@ -32,13 +34,16 @@ _MOST_KEY_BYTES = 4096
 class Panes:
     """Opens panes, and gives orders to the scripts that run in them. From any thread."""
 
-    def __init__(self, tmux: Tmux, folder: Path, clock: Clock) -> None:
-        """Listen in a folder that only this user can enter."""
+    def __init__(
+        self, tmux: Tmux, folder: Path, clock: Clock, sizes: Mapping[str, tuple[int, int]]
+    ) -> None:
+        """Listen in a folder that only this user can enter; sizes are those of new sessions."""
         self._tmux = tmux
         self._folder = folder
         self._clock = clock
         self._lock = threading.RLock()
         self._panes: dict[str, Pane] = {}
+        self._sizes = sizes
         self._sessions: set[str] = set()
         # New connections, and panes that wait for an order.
         self._nameless: list[socket.socket] = []
@@ -83,7 +88,8 @@ class Panes:
             if program.session in self._sessions and self._tmux.has_session(program.session):
                 pane = self._tmux.add_pane(program.session, folder, f"exec {command}")
             else:
-                pane = self._tmux.new_session(program.session, folder, f"exec {command}")
+                size = self._sizes[program.session]
+                pane = self._tmux.new_session(program.session, folder, f"exec {command}", size)
                 self._sessions.add(program.session)
                 self._tmux.note(program.session, "rosbase_launcher", str(os.getpid()))
             self._tmux.name_pane(pane, program.name)
@@ -246,20 +252,32 @@ def read_guardian(connection: socket.socket) -> int:
 
 
 @contextmanager
-def opened(tmux: Tmux, clock: Clock) -> Iterator[Panes]:
-    """Provide panes; at the end, the scripts in them end and the panes stay."""
+def opened(tmux: Tmux, clock: Clock, sizes: Mapping[str, tuple[int, int]]) -> Iterator[Panes]:
+    """Provide panes; at the end, the scripts in them end and the panes stay.
+
+    Args:
+        tmux: The server.
+        clock: The clock.
+        sizes: Columns and lines of each session.
+    """
     _clear_away_dead()
-    with tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-") as folder:
-        panes = Panes(tmux, Path(folder), clock)
+    with tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-", dir=_temporary()) as folder:
+        panes = Panes(tmux, Path(folder), clock, sizes)
         try:
             yield panes
         finally:
             panes.close()
 
 
+def _temporary() -> str:
+    """Return the folder for temporary files, unless the path of a socket in it is too long."""
+    usual = tempfile.gettempdir()
+    return usual if len(os.fsencode(usual)) <= _LONGEST_FOLDER else "/tmp"
+
+
 def _clear_away_dead() -> None:
     """Remove the folders of launchers that were killed."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+    for folder in Path(_temporary()).glob(f"{_PREFIX}*"):
         number = folder.name.removeprefix(_PREFIX).partition("-")[0]
         try:
             is_ours = folder.lstat().st_uid == os.getuid()

@@ -30,7 +30,7 @@ def start_in_tmux(
         start_new_session=True,
     )
     with process.stdin as orders, process.stdout as answers:  # type: ignore[union-attr]  # pipes
-        pickle.dump((description, list(enabled), dict(launches)), orders)
+        pickle.dump((description, list(enabled), dict(launches), _terminal_size()), orders)
         orders.close()
         answer = answers.readline().decode(errors="replace").strip()
     if answer != "ready":
@@ -44,3 +44,16 @@ def start_in_tmux(
             verb = "switch-client" if os.environ.get("TMUX") else "attach"
             print(f"{session.name}: tmux {verb} -t {session.name}")
     return 0
+
+
+def _terminal_size() -> tuple[int, int] | None:
+    """Return columns and lines of the user's terminal; None if there is none."""
+    for stream in (sys.__stdout__, sys.__stdin__, sys.__stderr__):
+        try:
+            size = os.get_terminal_size(stream.fileno() if stream is not None else -1)
+        except (OSError, ValueError):
+            # It is a file, or closed.
+            continue
+        if size.columns and size.lines:
+            return size.columns, size.lines
+    return None
