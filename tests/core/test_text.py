@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosbase.text.cells import cut, padded, width
+from rosbase.launcher.display.cells import cut, padded, width
 from rosbase.text.printable import MOST_LINE, MOST_QUOTED, indented, log_line, one_line, printable
 from support.strategies import outside_texts
 

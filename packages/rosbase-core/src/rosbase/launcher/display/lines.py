@@ -4,7 +4,7 @@ import logging
 from collections.abc import Sequence
 
 from rosbase.cli.panel.style import Style
-from rosbase.text.cells import cut, padded, width
+from rosbase.launcher.display.cells import cut, padded, width
 from rosbase.text.printable import log_line
 
 __all__ = ["Labels"]

@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 from rosbase.cli.panel.style import Style
+from rosbase.launcher.display.cells import cut
 from rosbase.launcher.display.lines import Labels
 from rosbase.launcher.fleet import Entry, State
-from rosbase.text.cells import cut
 from rosbase.text.printable import printable
 
 __all__ = ["draw_table", "duration"]
