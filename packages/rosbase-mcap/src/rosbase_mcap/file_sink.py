@@ -1,6 +1,6 @@
 """Messages into files, one after another. One thread uses it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from rosbase_mcap.backlog import Item
@@ -98,27 +98,27 @@ class FileSink:
 
     def abandon(self) -> None:
         """End the file as well as can be. Raises nothing: what it leaves can be mended."""
+        if self._output.is_closed:
+            # It was complete, and there was no room for the next one.
+            return
         try:
             self._output.cut()
             # There may be room for the end, although there was none for a chunk.
             self._output.write(self._writer.summary.ending(self._output.size_bytes))
         except OSError:
-            self._cut_quietly()
-        try:
-            self._output.close()
-        except OSError:
-            # The disk is gone.
-            pass
-
-    def _cut_quietly(self) -> None:
-        try:
-            self._output.cut()
-        except OSError:
-            # As above.
-            pass
+            _quietly(self._output.cut)
+        _quietly(self._output.close)
 
     def _begin(self) -> None:
         self._output = OutputFile(part_path(self._path, self._part))
         self._writer = FileWriter(self._output.write, compression=self._compression)
         self._synced = 0
         self._writer.note(Metadata(FACTS, {**self._facts, "part": str(self._part)}))
+
+
+def _quietly(function: Callable[[], object]) -> None:
+    try:
+        function()
+    except OSError:
+        # The disk is gone.
+        pass

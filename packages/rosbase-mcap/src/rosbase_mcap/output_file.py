@@ -22,6 +22,11 @@ class OutputFile:
         self.size_bytes = 0
         """Length of the pieces that were written as a whole."""
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether it takes nothing more."""
+        return self._file.closed
+
     def write(self, data: bytes) -> None:
         """Write all of the bytes.
 

@@ -80,7 +80,7 @@ class Recorder:
 
     @property
     def dropped(self) -> int:
-        """Number of messages that are not in the recording, because the disk was too slow or full."""
+        """Number of messages that are missing, because the disk was too slow or full."""
         return self._backlog.dropped + self._unwritten
 
     @property

@@ -9,7 +9,7 @@ left out.
 from collections.abc import Callable
 from typing import BinaryIO
 
-from attrs import define
+from attrs import define, field
 
 from rosbase_mcap.chunks import message_times
 from rosbase_mcap.compression import unpacked
@@ -28,6 +28,7 @@ from rosbase_mcap.records import (
     Schema,
 )
 from rosbase_mcap.scanning import Found, records_in, records_of
+from rosbase_mcap.summary import Summary
 
 __all__ = ["Mended", "is_complete", "mend"]
 
@@ -38,14 +39,16 @@ _FOOTER_BYTES = PREFIX.size + 20
 class Mended:
     """What came of mending a file."""
 
-    messages: int = 0
-    """Number of messages in the new file."""
+    profile: str = ""
+    """Conventions that the file follows."""
+    library: str = ""
+    """Program that has written it."""
     lost_bytes: int = 0
     """Length of what was behind the last whole record."""
     damaged_chunks: int = 0
     """Number of chunks that were left out."""
-    last_ns: int | None = None
-    """Latest `log_ns` of the messages; None without any."""
+    summary: Summary = field(factory=Summary)
+    """What is in the new file."""
 
 
 def is_complete(stream: BinaryIO) -> bool:
@@ -74,6 +77,7 @@ def mend(source: BinaryIO, write: Callable[[bytes], object]) -> Mended:
     for found in records_of(source):
         if writer is None:
             header = _header(found)
+            mended.profile, mended.library = header.profile, header.library
             writer = FileWriter(write, profile=header.profile, library=header.library)
             if found.kind == Kind.HEADER:
                 end = found.end
@@ -86,8 +90,7 @@ def mend(source: BinaryIO, write: Callable[[bytes], object]) -> Mended:
     if writer is None:
         writer = FileWriter(write)
     writer.finish()
-    summary = writer.summary
-    mended.messages, mended.last_ns = summary.messages, summary.end_ns
+    mended.summary = writer.summary
     if not is_complete(source):
         mended.lost_bytes = source.seek(0, 2) - end
     return mended
