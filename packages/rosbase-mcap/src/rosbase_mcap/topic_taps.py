@@ -3,15 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from rosbase import (
-    Backend,
-    BackendError,
-    Graph,
-    MessageFormat,
-    RosbaseLogger,
-    Tap,
-    TopicEnd,
-)
+from rosbase import Backend, BackendError, Graph, MessageFormat, RosbaseLogger, Tap, TopicEnd
 from rosbase_mcap.channel_table import LATCHED, QOS
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.qos_text import profiles_text
@@ -94,8 +86,13 @@ class TopicTaps:
         return self._backend.message_format(msg_type)
 
     def _refuse(self, topic: str) -> Callable[[Exception], object]:
+        is_said = False
+
         def refuse(error: Exception) -> None:
-            self._logger.warning(f"a message of {topic} is not recorded: {error}", once=True)
+            nonlocal is_said
+            if not is_said:
+                is_said = True
+                self._logger.warning(f"a message of {topic} is not recorded: {error}")
 
         return refuse
 
