@@ -46,9 +46,14 @@ class Backlog:
                 is_urgent, is_added = self._bytes * 2 > self._most_bytes, True
         # Usually the writer comes by itself: to wake it for each message would cost more than
         # the message.
-        if is_urgent and not self._is_wanted.is_set():
+        if is_urgent and not self.is_wanted:
             self._is_wanted.set()
         return is_added
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether the writer should come now."""
+        return self._is_wanted.is_set()
 
     def take(self) -> list[Item]:
         """Return what waits, in the order in which it came, and forget it."""

@@ -6,11 +6,10 @@ from typing import BinaryIO
 from rosbase_mcap.channel_table import LATCHED
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.reading import Selection, contents
-from rosbase_mcap.records import Attachment, Channel, Message, Metadata, Schema
+from rosbase_mcap.records import Attachment, Channel, Metadata, Schema
 
 __all__ = ["cut"]
 
-_CHUNK_BYTES = 1 << 20
 _TRANSIENT_LOCAL = "durability: 1"
 _TRANSIENT_LOCAL_WORD = "durability: transient_local"
 
@@ -51,16 +50,10 @@ def cut(
             wanted = early if _is_latched(channel) else selection
             if wanted.has(channel, content.log_ns):
                 writer.declare(channel, schemas.get(channel.schema_id))
-                _add(writer, content)
+                times = content.log_ns, content.publish_ns
+                writer.add(channel.id, content.sequence, *times, content.data)
     writer.finish()
     return writer.summary.messages
-
-
-def _add(writer: FileWriter, message: Message) -> None:
-    times = message.log_ns, message.publish_ns
-    writer.add(message.channel_id, message.sequence, *times, message.data)
-    if writer.open_bytes >= _CHUNK_BYTES:
-        writer.end_chunk()
 
 
 def _is_latched(channel: Channel) -> bool:

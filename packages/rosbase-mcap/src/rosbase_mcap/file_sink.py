@@ -14,8 +14,6 @@ __all__ = ["FACTS", "FileSink", "write_items"]
 
 FACTS = "rosbase"
 """Name of the metadata with the facts of a recording."""
-# A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
-_CHUNK_BYTES = 1 << 20
 
 
 def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
@@ -25,8 +23,6 @@ def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) 
         if item[0] not in known:
             writer.declare(table.channel(item[0]), table.schema(item[0]))
         writer.add(*item)
-        if writer.open_bytes >= _CHUNK_BYTES:
-            writer.end_chunk()
 
 
 class FileSink:

@@ -28,6 +28,9 @@ from rosbase_mcap.summary import Summary
 
 __all__ = ["FileWriter"]
 
+# A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
+_CHUNK_BYTES = 1 << 20
+
 
 class FileWriter:
     """Writes one file, from its beginning. One thread uses it."""
@@ -58,11 +61,6 @@ class FileWriter:
         library = f"rosbase-mcap {version('rosbase-mcap')}" if library is None else library
         self._put(MAGIC + record(Kind.HEADER, Header(profile, library).content()))
 
-    @property
-    def open_bytes(self) -> int:
-        """Length of the records in the chunk that is open."""
-        return self._chunk.size_bytes
-
     def declare(self, channel: Channel, schema: Schema | None = None) -> None:
         """Write a channel and its schema, unless the file has them. Do so before its messages.
 
@@ -81,8 +79,10 @@ class FileWriter:
             self.summary.schemas[schema.id] = schema
 
     def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
-        """Add a message to the chunk that is open."""
+        """Add a message to the chunk that is open; write it if it is long enough."""
         self._chunk.add(channel, sequence, log_ns, publish_ns, data)
+        if self._chunk.size_bytes >= _CHUNK_BYTES:
+            self.end_chunk()
 
     def end_chunk(self) -> None:
         """Write the chunk that is open, if it has messages."""
