@@ -30,9 +30,7 @@ def test_the_topics_of_a_running_program_are_recorded(robots: Robots, tmp_path: 
         assert summary is not None
         topics = {channel.topic for channel in summary.channels.values()}
         found = [
-            entry.message.log_ns
-            for entry in messages(stream)
-            if entry.channel.topic == "/position"
+            entry.message.log_ns for entry in messages(stream) if entry.channel.topic == "/position"
         ]
     # The log of the program is there too: it has said something before.
     assert "/position" in topics

@@ -111,12 +111,12 @@ def test_parameters_are_recorded_when_they_change(recording: Recording) -> None:
 
 
 def test_transitions_of_lifecycle_nodes_are_recorded(recording: Recording) -> None:
-    node = LifecycleNode("arm", backend=recording.backend)
+    node = LifecycleNode(None, name="arm", backend=recording.backend)
     recording.taps.look()
     node.trigger_configure()
     found = [entry for entry in recording.entries() if "transition" in entry.channel.topic]
     assert found
-    assert all(entry.channel.topic == "/arm/transition_event" for entry in found)
+    assert all(entry.channel.topic == "/test/transition_event" for entry in found)
 
 
 def test_the_log_is_recorded_as_rosout(recording: Recording) -> None:

@@ -113,10 +113,13 @@ class AttachedTopics:
             self._add(stream, self._taker(stream, record))
 
     def _add(self, stream: Stream, record: Callable[[], int]) -> None:
-        self._streams[stream.connection.fileno()] = stream, record
-        self._poll.register(stream.connection, select.POLLIN)
         # Events may have come with the answer, and the socket does not tell of them again.
         record()
+        if stream.ended is not None:
+            stream.close()
+            return
+        self._streams[stream.connection.fileno()] = stream, record
+        self._poll.register(stream.connection, select.POLLIN)
 
     def _taker(
         self, stream: Stream, record: Callable[[int, int, bytes], object]

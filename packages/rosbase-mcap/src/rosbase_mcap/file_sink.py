@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.entries import ENTRIES_CHANNEL, attachment
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
 from rosbase_mcap.records import Metadata
@@ -17,12 +18,20 @@ FACTS = "rosbase"
 
 
 def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
-    """Write messages, with the channels that are new to the file."""
+    """Write messages, with the channels that are new to the file, and entries."""
     known = writer.summary.channels
+    entries: list[bytes] = []
+    last_ns = 0
     for item in items:
+        if item[0] == ENTRIES_CHANNEL:
+            entries.append(item[4])
+            last_ns = item[2]
+            continue
         if item[0] not in known:
             writer.declare(table.channel(item[0]), table.schema(item[0]))
         writer.add(*item)
+    if entries:
+        writer.attach(attachment(entries, last_ns))
 
 
 class FileSink:

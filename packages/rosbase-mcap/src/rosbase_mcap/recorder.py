@@ -8,6 +8,7 @@ from typing import Protocol
 from rosbase import RosbaseLogger, background_thread
 from rosbase_mcap.backlog import Backlog, Item
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.entries import ENTRIES_CHANNEL, Entry
 from rosbase_mcap.records import Metadata
 
 __all__ = ["LOSSES", "Recorder", "Sink"]
@@ -109,6 +110,11 @@ class Recorder:
             return add((number, sequence() & 0xFFFFFFFF, log_ns, publish_ns, data))
 
         return record
+
+    def enter(self, entry: Entry) -> None:
+        """Record an entry into the program. Any thread may call it, in the order of the numbers."""
+        stamp_ns = entry.stamp_ns
+        self._backlog.add((ENTRIES_CHANNEL, 0, stamp_ns, stamp_ns, entry.packed()))
 
     def start(self) -> None:
         """Begin to write."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.entries import ENTRIES_CHANNEL
 from rosbase_mcap.file_sink import FACTS, write_items
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
@@ -56,6 +57,9 @@ class Ring:
         """Take messages, in their order, and forget those that are too old."""
         with self._lock:
             for item in items:
+                # Without the first ones, entries are of no use.
+                if item[0] == ENTRIES_CHANNEL:
+                    continue
                 self._items.append(item)
                 self._bytes += len(item[4]) + _OVERHEAD_BYTES
             if self._items:
