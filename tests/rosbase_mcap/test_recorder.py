@@ -137,6 +137,34 @@ def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.Mo
         assert [entry.message.log_ns for entry in messages(stream)] == [1]
 
 
+def test_a_full_disk_without_room_for_the_end_costs_the_last_chunk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    plain = OutputFile.write
+
+    def write(file: OutputFile, data: bytes) -> None:
+        room = 60_000 - file.size_bytes
+        if len(data) > room:
+            file._file.write(data[:room])
+            raise OSError(errno.ENOSPC, "No space left on device")
+        plain(file, data)
+
+    monkeypatch.setattr(OutputFile, "write", write)
+    for stamp in (1, 2, 3):
+        # The third fills the disk up to some bytes.
+        sink.add([(number, stamp, stamp, stamp, b"x" * (19_700 if stamp < 3 else 19_900))])
+        sink.flush()
+    with pytest.raises(OSError, match="No space"):
+        sink.close()
+    sink.abandon()
+    with (tmp_path / "run.mcap").open("rb") as stream:
+        assert is_complete(stream)
+        assert [entry.message.log_ns for entry in messages(stream)] == [1, 2]
+
+
 def test_a_recording_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     path.write_text("precious")

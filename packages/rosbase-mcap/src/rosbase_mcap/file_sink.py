@@ -15,6 +15,8 @@ __all__ = ["FACTS", "FileSink", "write_items"]
 
 FACTS = "rosbase"
 """Name of the metadata with the facts of a recording."""
+# Disks have room in blocks.
+_SLACK_BYTES = 8_192
 
 
 def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
@@ -106,13 +108,23 @@ class FileSink:
         if self._output.is_closed:
             # It was complete, and there was no room for the next one.
             return
-        try:
-            self._output.cut()
-            # There may be room for the end, although there was none for a chunk.
-            self._output.write(self._writer.summary.ending(self._output.size_bytes))
-        except OSError:
-            _quietly(self._output.cut)
+        _quietly(self._cut)
+        # There may be room for the end although there was none for a chunk. If not, a chunk goes.
+        if not _quietly(self._write_end):
+            self._writer.give_up(len(self._ending()) + _SLACK_BYTES)
+            _quietly(self._cut)
+            if not _quietly(self._write_end):
+                _quietly(self._cut)
         _quietly(self._output.close)
+
+    def _cut(self) -> None:
+        self._output.cut(self._writer.size_bytes)
+
+    def _write_end(self) -> None:
+        self._output.write(self._ending())
+
+    def _ending(self) -> bytes:
+        return self._writer.summary.ending(self._writer.size_bytes)
 
     def _begin(self) -> None:
         self._output = OutputFile(part_path(self._path, self._part))
@@ -121,9 +133,10 @@ class FileSink:
         self._writer.note(Metadata(FACTS, {**self._facts, "part": str(self._part)}))
 
 
-def _quietly(function: Callable[[], object]) -> None:
+def _quietly(function: Callable[[], object]) -> bool:
+    """Call a function; return whether the disk has allowed it."""
     try:
         function()
     except OSError:
-        # The disk is gone.
-        pass
+        return False
+    return True

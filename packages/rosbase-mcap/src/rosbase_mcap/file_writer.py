@@ -4,6 +4,7 @@ Each record goes out in one call. A chunk is written with its indexes, so a file
 of these calls has everything that `recovery` needs.
 """
 
+from collections import deque
 from collections.abc import Callable
 from importlib.metadata import version
 
@@ -24,12 +25,14 @@ from rosbase_mcap.records import (
     Schema,
     record,
 )
-from rosbase_mcap.summary import Summary
+from rosbase_mcap.summary import Snapshot, Summary
 
 __all__ = ["FileWriter"]
 
 # A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
 _CHUNK_BYTES = 1 << 20
+# As many chunks can be given up for the end of a file on a full disk: those of the last second.
+_MOST_GIVEN_UP = 2
 
 
 class FileWriter:
@@ -56,6 +59,7 @@ class FileWriter:
         self._chunk = ChunkBuilder()
         self.summary = Summary()
         """What has been written so far."""
+        self._before: deque[tuple[int, Snapshot]] = deque(maxlen=_MOST_GIVEN_UP)
         self.size_bytes = 0
         """Length of the file so far, without the chunk that is open."""
         library = f"rosbase-mcap {version('rosbase-mcap')}" if library is None else library
@@ -91,6 +95,7 @@ class FileWriter:
 
     def add_chunk(self, chunk: Chunk, times: MessageTimes) -> None:
         """Write a chunk as it is, with the indexes of its messages."""
+        self._before.append((self.size_bytes, self.summary.snapshot()))
         whole = record(Kind.CHUNK, chunk.content())
         at = self.size_bytes + len(whole)
         indexes, offsets = b"", {}
@@ -108,7 +113,11 @@ class FileWriter:
             len(chunk.data),
             chunk.size_bytes,
         )
-        self._put(whole + indexes)
+        try:
+            self._put(whole + indexes)
+        except OSError:
+            self._before.pop()
+            raise
         self.summary.chunks.append(index)
         self.summary.count(times)
 
@@ -128,6 +137,19 @@ class FileWriter:
         place = self.size_bytes, len(whole)
         self._put(whole)
         self.summary.metadata.append(MetadataIndex(*place, metadata.name))
+
+    def give_up(self, room_bytes: int) -> bool:
+        """Forget the last chunks, as few as free that much; return False if none do.
+
+        `size_bytes` is then the length to which the file must be cut.
+        """
+        for size_bytes, snapshot in reversed(self._before):
+            if self.size_bytes - size_bytes >= room_bytes:
+                self.size_bytes = size_bytes
+                self.summary.go_back(snapshot)
+                self._before.clear()
+                return True
+        return False
 
     def finish(self) -> None:
         """Write the chunk that is open, and the end of the file. Call nothing afterwards."""

@@ -46,12 +46,16 @@ class OutputFile:
         """
         os.fdatasync(self._file.fileno())
 
-    def cut(self) -> None:
+    def cut(self, size_bytes: int | None = None) -> None:
         """Cut off what is left of a piece that was not written as a whole.
+
+        Args:
+            size_bytes: Cut whole pieces off too, down to this length.
 
         Raises:
             OSError: The disk is gone.
         """
+        self.size_bytes = self.size_bytes if size_bytes is None else size_bytes
         self._file.truncate(self.size_bytes)
         self._file.seek(self.size_bytes)
 

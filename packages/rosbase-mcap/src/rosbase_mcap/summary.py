@@ -5,7 +5,10 @@ Readers need it to open a file quickly, and most open none without it.
 
 import struct
 from collections import Counter
+from collections.abc import Mapping
 from zlib import crc32
+
+from attrs import frozen
 
 from rosbase_mcap.chunks import MessageTimes
 from rosbase_mcap.records import (
@@ -22,7 +25,17 @@ from rosbase_mcap.records import (
     record,
 )
 
-__all__ = ["Summary"]
+__all__ = ["Summary", "Snapshot"]
+
+
+@frozen
+class Snapshot:
+    """What was in a file at some time: enough to go back to it."""
+
+    lengths: tuple[int, int, int]
+    """Number of chunks, attachments and records of metadata."""
+    counts: Mapping[int, int]
+    span_ns: tuple[int | None, int | None]
 
 
 class Summary:
@@ -40,6 +53,18 @@ class Summary:
         """Earliest `log_ns` of all messages; None without any."""
         self.end_ns: int | None = None
         """Latest `log_ns` of all messages; None without any."""
+
+    def snapshot(self) -> Snapshot:
+        """Return what is in the file now."""
+        lengths = len(self.chunks), len(self.attachments), len(self.metadata)
+        return Snapshot(lengths, dict(self.counts), (self.start_ns, self.end_ns))
+
+    def go_back(self, to: Snapshot) -> None:
+        """Forget what came later. Channels stay: one without messages does no harm."""
+        chunks, attachments, metadata = to.lengths
+        del self.chunks[chunks:], self.attachments[attachments:], self.metadata[metadata:]
+        self.counts = Counter(to.counts)
+        self.start_ns, self.end_ns = to.span_ns
 
     @property
     def messages(self) -> int:
