@@ -25,7 +25,7 @@ from rosbase_mcap.records import (
     record,
 )
 
-__all__ = ["Summary", "Snapshot"]
+__all__ = ["Snapshot", "Summary"]
 
 
 @frozen
