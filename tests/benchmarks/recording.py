@@ -8,9 +8,10 @@ how many messages are missing in the file.
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
-from rosbase import make_logger
+from rosbase import Publisher, make_logger
 from rosbase.clock import SystemClock
 from rosbase.messages import Imu, Vector3
 from rosbase.testing import virtual_backend
@@ -43,11 +44,11 @@ def run(path: Path | None, compression: str = "") -> tuple[float, int]:
     return cpu_us, 0 if path is None else sent - _count(path)
 
 
-def _publish(publishers: list[object], message: Imu) -> int:
+def _publish(publishers: Sequence[Publisher[Imu]], message: Imu) -> int:
     sent, start_ns = 0, time.monotonic_ns()
     for batch in range(SECONDS * RATE_HZ // BATCH):
         for number in range(BATCH):
-            publishers[number % TOPICS].publish(message)  # type: ignore[attr-defined]  # a protocol
+            publishers[number % TOPICS].publish(message)
         sent += BATCH
         left_ns = start_ns + (batch + 1) * BATCH * 1_000_000_000 // RATE_HZ - time.monotonic_ns()
         time.sleep(max(0, left_ns) / 1e9)

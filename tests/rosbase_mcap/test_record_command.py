@@ -49,6 +49,20 @@ def test_the_recording_ends_in_order_when_the_program_ends(robots: Robots, tmp_p
     assert is_complete(BytesIO(path.read_bytes()))
 
 
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_recording_in_order(
+    robots: Robots, tmp_path: Path, signum: signal.Signals
+) -> None:
+    path = tmp_path / "app.mcap"
+    robots.start(APP)
+    recording = robots.start_command("record", "app", "-o", str(path), "position")
+    wait_until(lambda: path.exists() and path.stat().st_size > 2_000)
+    recording.send_signal(signum)
+    _, err = recording.communicate(timeout=30)
+    assert recording.returncode == 0, err
+    assert is_complete(BytesIO(path.read_bytes()))
+
+
 def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) -> None:
     path = tmp_path / "app.mcap"
     robots.start(APP)

@@ -61,6 +61,16 @@ def test_what_was_recorded_before_the_stop_is_written() -> None:
     assert recorder.dropped == 0
 
 
+def test_a_recording_that_was_never_started_has_an_end_too() -> None:
+    sink = Listed()
+    recorder = Recorder(sink, ChannelTable(), make_logger("test"))
+    recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)(-5, 1, b"x")
+    recorder.stop()
+    recorder.stop()
+    assert sink.items == [(0, 0, 0, 1, b"x")]
+    assert sink.ends == ["close"]
+
+
 def test_a_full_disk_ends_the_recording_with_one_line_and_the_program_goes_on(
     capfd: pytest.CaptureFixture[str],
 ) -> None:

@@ -59,12 +59,13 @@ class AttachedTopics:
         return not self._streams
 
     def look(self) -> None:
-        """Hear the topics that are new.
-
-        Raises:
-            ControlError: The program has ended.
-        """
-        for topic in self._fleet.topics():
+        """Hear the topics that are new. Call it again and again. Raises nothing."""
+        try:
+            topics = self._fleet.topics()
+        except ControlError:
+            # The program has ended, or is too busy to answer. Its streams tell which.
+            return
+        for topic in topics:
             name = topic["name"]
             if name in self._heard or (self._wanted and name not in self._wanted):
                 continue

@@ -11,6 +11,7 @@ from importlib.metadata import version
 from attrs import evolve
 
 from rosbase_mcap.chunks import ChunkBuilder, MessageTimes, message_index
+from rosbase_mcap.compression import compressed
 from rosbase_mcap.records import (
     MAGIC,
     Attachment,
@@ -53,7 +54,12 @@ class FileWriter:
             profile: Conventions that the file follows.
             compression: How chunks are compressed; see `compression.COMPRESSIONS`.
             library: Name of the program that writes; by default, of this package.
+
+        Raises:
+            McapError: There is no such compression.
         """
+        # Not only when a chunk is full: there may be no such compression.
+        compressed(b"", compression)
         self._write = write
         self._compression = compression
         self._chunk = ChunkBuilder()

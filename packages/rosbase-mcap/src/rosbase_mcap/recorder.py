@@ -1,6 +1,5 @@
 """The thread that writes a recording, and the way of messages to it."""
 
-import threading
 from collections.abc import Callable, Iterable, Mapping
 from itertools import count
 from typing import Protocol
@@ -107,7 +106,9 @@ class Recorder:
         add = self._backlog.add
 
         def record(log_ns: int, publish_ns: int, data: bytes) -> object:
-            return add((number, sequence() & 0xFFFFFFFF, log_ns, publish_ns, data))
+            # MCAP has no dates before 1970.
+            times = max(log_ns, 0), max(publish_ns, 0)
+            return add((number, sequence() & 0xFFFFFFFF, *times, data))
 
         return record
 
@@ -122,12 +123,18 @@ class Recorder:
 
     def stop(self) -> None:
         """Write what waits, end the file, and end the thread. May be called repeatedly."""
+        if self._is_stopping:
+            return
         self._is_stopping = True
+        if self._thread.ident is None:
+            # It was never started, and there is a file to end.
+            self._write(self._backlog.take())
+            self._end()
+            return
         self._backlog.wake()
-        if self._thread is not threading.current_thread() and self._thread.ident is not None:
-            self._thread.join(_JOIN_S)
-            if self._thread.is_alive():
-                self._logger.error("the recording does not end: its disk does not answer")
+        self._thread.join(_JOIN_S)
+        if self._thread.is_alive():
+            self._logger.error("the recording does not end: its disk does not answer")
 
     def _run(self) -> None:
         while True:

@@ -1,14 +1,16 @@
 """`rosbase record`: record the topics of a program that already runs."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rosbase import ConfigurationError, ControlError, SystemClock, make_logger
+from rosbase import ConfigurationError, SystemClock, make_logger
 from rosbase.control import connect
 from rosbase.control.fleet import Fleet
 from rosbase_mcap.attached_topics import AttachedTopics
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.commands.stop_request import stop_request
 from rosbase_mcap.compression import COMPRESSIONS
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.file_sink import FileSink
@@ -20,7 +22,9 @@ from rosbase_mcap.splitting import Split
 __all__ = ["configure", "run"]
 
 # New topics are looked for so often.
-_LOOK_S = 0.5
+_LOOK_NS = 500_000_000
+# A signal is noticed after this time.
+_WAIT_S = 0.1
 # It has no beginning, so a program cannot be replayed from it; its topics can.
 _FACTS = {"attached": "true", "replays_program": "false"}
 
@@ -53,7 +57,8 @@ def run(arguments: Any) -> int:
     attached = AttachedTopics(fleet, recorder, SystemClock(), logger.warning, topics)
     recorder.start()
     try:
-        number = _record(fleet, attached, recorder, arguments.duration)
+        with stop_request() as is_asked:
+            number = _record(fleet, attached, recorder, arguments.duration, is_asked)
     finally:
         attached.close()
         recorder.stop()
@@ -63,28 +68,27 @@ def run(arguments: Any) -> int:
 
 
 def _record(
-    fleet: Fleet, attached: AttachedTopics, recorder: Recorder, duration_ns: int | None
+    fleet: Fleet,
+    attached: AttachedTopics,
+    recorder: Recorder,
+    duration_ns: int | None,
+    is_asked_to_stop: Callable[[], bool],
 ) -> int:
     """Record until an end; return the number of messages."""
     clock, number = SystemClock(), 0
-    end_ns = None if duration_ns is None else clock.monotonic_ns() + duration_ns
-    log = LogChannel(recorder)
-    attached.hear_log([process["pid"] for process in fleet.processes()], log)
-    look_ns = 0
-    try:
-        while not recorder.is_broken:
-            now_ns = clock.monotonic_ns()
-            if end_ns is not None and now_ns >= end_ns:
-                break
-            if now_ns >= look_ns:
-                attached.look()
-                look_ns = now_ns + int(_LOOK_S * 1e9)
-            if attached.is_over:
-                break
-            number += attached.take(_LOOK_S)
-    except (KeyboardInterrupt, ControlError):
-        # The user has seen enough, or the program has ended.
-        pass
+    look_ns = clock.monotonic_ns()
+    end_ns = None if duration_ns is None else look_ns + duration_ns
+    attached.hear_log([process["pid"] for process in fleet.processes()], LogChannel(recorder))
+    while not (recorder.is_broken or is_asked_to_stop()):
+        now_ns = clock.monotonic_ns()
+        if end_ns is not None and now_ns >= end_ns:
+            break
+        if now_ns >= look_ns:
+            attached.look()
+            look_ns = now_ns + _LOOK_NS
+        if attached.is_over:
+            break
+        number += attached.take(_WAIT_S)
     return number
 
 
