@@ -85,6 +85,12 @@ def test_cut_keeps_topics_and_times(path: Path) -> None:
     assert stamps(target) == [("/point", 2), ("/point", 3)]
 
 
+def test_topics_may_stand_before_options_and_behind_them(path: Path) -> None:
+    target = path.with_name("part.mcap")
+    assert main(["cut", str(path), "point", "-o", str(target), "imu/data", "--to", "0s"]) == 0
+    assert stamps(target) == [("/imu/data", 1), ("/point", 1)]
+
+
 def test_cut_refuses_an_unknown_topic(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["cut", str(path), "poin", "-o", str(path.with_name("part.mcap"))]) == 2
     assert "/imu/data, /point" in capsys.readouterr().err

@@ -4,6 +4,7 @@ import argparse
 from typing import Any, BinaryIO
 
 from rosbase import ConfigurationError
+from rosbase_mcap.commands.intermixed import allow_intermixed
 from rosbase_mcap.quantities import moment_ns
 from rosbase_mcap.reading import Selection, read_summary
 from rosbase_mcap.recovery import mend
@@ -17,6 +18,7 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
     moment = "a date in UTC, or a time span from the start such as 10s"
     parser.add_argument("--from", dest="start", metavar="TIME", help=f"begin here: {moment}")
     parser.add_argument("--to", dest="end", metavar="TIME", help=f"end here: {moment}")
+    allow_intermixed(parser)
 
 
 def selection_of(arguments: Any, stream: BinaryIO) -> Selection:

@@ -10,6 +10,7 @@ from rosbase.control import connect
 from rosbase.control.fleet import Fleet
 from rosbase_mcap.attached_topics import AttachedTopics
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.commands.intermixed import allow_intermixed
 from rosbase_mcap.commands.stop_request import stop_request
 from rosbase_mcap.compression import COMPRESSIONS
 from rosbase_mcap.errors import McapError
@@ -38,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--split-time", type=span_ns, default=0, help="such as 10min")
     parser.add_argument("--duration", type=span_ns, help="end after this time, such as 60s")
     parser.add_argument("--compression", choices=COMPRESSIONS[1:], default="")
+    allow_intermixed(parser)
 
 
 def run(arguments: Any) -> int:
