@@ -63,6 +63,16 @@ def test_a_signal_ends_the_recording_in_order(
     assert is_complete(BytesIO(path.read_bytes()))
 
 
+def test_the_last_seconds_are_written_at_the_end(robots: Robots, tmp_path: Path) -> None:
+    path = tmp_path / "app.mcap"
+    robots.start(APP)
+    run("record", "app", "-o", str(path), "--last", "0.5s", "--duration", "2s", "position")
+    with path.open("rb") as stream:
+        assert is_complete(stream)
+        found = [entry.message.log_ns for entry in messages(stream)]
+    assert 0 < found[-1] - found[0] <= 500_000_000
+
+
 def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) -> None:
     path = tmp_path / "app.mcap"
     robots.start(APP)

@@ -18,6 +18,7 @@ from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.log_channel import LogChannel
 from rosbase_mcap.quantities import size_bytes, span_ns
 from rosbase_mcap.recorder import Recorder
+from rosbase_mcap.ring import Ring
 from rosbase_mcap.splitting import Split
 
 __all__ = ["configure", "run"]
@@ -26,6 +27,7 @@ __all__ = ["configure", "run"]
 _LOOK_NS = 500_000_000
 # A signal is noticed after this time.
 _WAIT_S = 0.1
+_RING_BYTES = 256 << 20
 # It has no beginning, so a program cannot be replayed from it; its topics can.
 _FACTS = {"attached": "true", "replays_program": "false"}
 
@@ -38,6 +40,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--split-size", type=size_bytes, default=0, help="such as 1GB")
     parser.add_argument("--split-time", type=span_ns, default=0, help="such as 10min")
     parser.add_argument("--duration", type=span_ns, help="end after this time, such as 60s")
+    parser.add_argument(
+        "--last", type=span_ns, help="keep only this time, such as 60s, and write it at the end"
+    )
     parser.add_argument("--compression", choices=COMPRESSIONS[1:], default="")
     allow_intermixed(parser)
 
@@ -49,11 +54,7 @@ def run(arguments: Any) -> int:
     fleet = connect(name)
     path = arguments.output or _default_path(arguments.name)
     table, logger = ChannelTable(), make_logger("record")
-    split = Split(arguments.split_size, arguments.split_time)
-    try:
-        sink = FileSink(path, table, _FACTS, split=split, compression=arguments.compression)
-    except OSError as error:
-        raise McapError(f"{path}: {error.strerror or error}") from error
+    sink = _sink(arguments, path, table)
     recorder = Recorder(sink, table, logger)
     topics = [f"/{topic.lstrip('/')}" for topic in arguments.topics]
     attached = AttachedTopics(fleet, recorder, SystemClock(), logger.warning, topics)
@@ -64,9 +65,37 @@ def run(arguments: Any) -> int:
     finally:
         attached.close()
         recorder.stop()
+    if isinstance(sink, Ring):
+        number = _saved(sink, path)
     lost = attached.lost + recorder.dropped
     print(f"{path}: {number} messages" + (f", {lost} are missing" if lost else ""))
     return 1 if recorder.is_broken else 0
+
+
+def _sink(arguments: Any, path: Path, table: ChannelTable) -> FileSink | Ring:
+    """Return where the messages go.
+
+    Raises:
+        McapError: There is a file of that name, or it cannot be created.
+    """
+    compression = arguments.compression
+    if arguments.last is not None:
+        if path.exists():
+            raise McapError(f"{path}: there is such a file already")
+        limits = {"keep_ns": arguments.last, "most_bytes": _RING_BYTES}
+        return Ring(table, _FACTS, **limits, compression=compression)
+    split = Split(arguments.split_size, arguments.split_time)
+    try:
+        return FileSink(path, table, _FACTS, split=split, compression=compression)
+    except OSError as error:
+        raise McapError(f"{path}: {error.strerror or error}") from error
+
+
+def _saved(ring: Ring, path: Path) -> int:
+    try:
+        return ring.save(path)
+    except OSError as error:
+        raise McapError(f"{path}: {error.strerror or error}") from error
 
 
 def _record(
