@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from mcap_ros2.reader import read_ros2_messages
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from rosbase import DurabilityPolicy, QoSProfile, make_logger
@@ -33,11 +34,13 @@ def path(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 
 def test_mcap_reads_the_messages_of_ros_2(path: Path) -> None:
-    found = list(read_ros2_messages(str(path)))
-    imus = [one.ros_msg for one in found if one.channel.topic == "/imu/data"]
+    with path.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        found = [(channel.topic, read) for _, channel, _, read in reader.iter_decoded_messages()]
+    imus = [message for topic, message in found if topic == "/imu/data"]
     assert [imu.angular_velocity.x for imu in imus] == [float(number) for number in range(100)]
     assert imus[0].header.frame_id == "imu_link"
-    [frame] = [one.ros_msg for one in found if one.channel.topic == "/mounted"]
+    [frame] = [message for topic, message in found if topic == "/mounted"]
     assert (frame.child_frame_id, frame.transform.rotation.w) == ("imu_link", 1.0)
 
 

@@ -72,24 +72,24 @@ def test_a_recording_that_was_never_started_has_an_end_too() -> None:
 
 
 def test_a_full_disk_ends_the_recording_with_one_line_and_the_program_goes_on(
-    capfd: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     sink = Listed(is_full=True)
     recorder = Recorder(sink, ChannelTable(), make_logger("test"))
     record = recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)
     record(1, 1, b"x")
     recorder.start()
-    wait_until(lambda: recorder.is_broken)
+    wait_until(lambda: recorder.is_broken, "the end of the recording")
     for number in range(10):
         record(number, number, b"x")
     recorder.stop()
     assert sink.ends == ["abandon"]
     assert recorder.dropped == 11
-    assert capfd.readouterr().err.count("No space left") == 1
+    assert caplog.text.count("No space left") == 1
 
 
 def test_dropped_messages_are_counted_in_the_log_and_in_the_file(
-    capfd: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     sink = Listed()
     recorder = Recorder(sink, ChannelTable(), make_logger("test"), most_bytes=1000)
@@ -100,7 +100,7 @@ def test_dropped_messages_are_counted_in_the_log_and_in_the_file(
     recorder.stop()
     assert recorder.dropped == 7
     assert sink.notes == [Metadata(LOSSES, {"messages": "7"})]
-    assert "7 messages are missing" in capfd.readouterr().err
+    assert "7 messages are missing" in caplog.text
 
 
 def test_a_file_is_split_by_size_and_each_part_opens_by_itself(tmp_path: Path) -> None:
@@ -124,11 +124,6 @@ def test_a_file_is_split_by_size_and_each_part_opens_by_itself(tmp_path: Path) -
 
 
 def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    table = ChannelTable()
-    number = table.add("/a", "std_msgs/msg/String", "string data", {})
-    sink = FileSink(tmp_path / "run.mcap", table, {})
-    sink.add([(number, 0, 1, 1, b"x" * 100)])
-    sink.flush()
     plain = OutputFile.write
 
     def write(file: OutputFile, data: bytes) -> None:
@@ -138,6 +133,11 @@ def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.Mo
         plain(file, data)
 
     monkeypatch.setattr(OutputFile, "write", write)
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    sink.add([(number, 0, 1, 1, b"x" * 100)])
+    sink.flush()
     sink.add([(number, 1, 2, 2, b"y" * 10_000)])
     with pytest.raises(OSError, match="No space"):
         sink.flush()
@@ -150,9 +150,6 @@ def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.Mo
 def test_a_full_disk_without_room_for_the_end_costs_the_last_chunk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    table = ChannelTable()
-    number = table.add("/a", "std_msgs/msg/String", "string data", {})
-    sink = FileSink(tmp_path / "run.mcap", table, {})
     plain = OutputFile.write
 
     def write(file: OutputFile, data: bytes) -> None:
@@ -163,6 +160,9 @@ def test_a_full_disk_without_room_for_the_end_costs_the_last_chunk(
         plain(file, data)
 
     monkeypatch.setattr(OutputFile, "write", write)
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {})
     for stamp in (1, 2, 3):
         # The third fills the disk up to some bytes.
         sink.add([(number, stamp, stamp, stamp, b"x" * (19_700 if stamp < 3 else 19_900))])
