@@ -88,9 +88,7 @@ def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) ->
     assert is_complete(BytesIO(b"".join(pieces)))
 
 
-def test_an_unknown_program_is_named_and_leaves_no_file(
-    robots: Robots, tmp_path: Path
-) -> None:
+def test_an_unknown_program_is_named_and_leaves_no_file(robots: Robots, tmp_path: Path) -> None:
     path = tmp_path / "app.mcap"
     run("record", "nobody", "-o", str(path), status=1)
     assert not path.exists()
