@@ -11,11 +11,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from rosbase import Publisher, make_logger
+from rosbase import Publisher, RecordOptions, make_logger
 from rosbase.clock import SystemClock
 from rosbase.messages import Imu, Vector3
 from rosbase.testing import virtual_backend
-from rosbase_mcap.program_recording import ProgramRecording, RecordingOptions
+from rosbase_mcap.program_recording import ProgramRecording
 from rosbase_mcap.reading import read_summary
 
 RATE_HZ = 10_000
@@ -31,14 +31,13 @@ def run(path: Path | None, compression: str = "") -> tuple[float, int]:
     publishers = [backend.create_publisher(Imu, f"imu_{n}/data", 10) for n in range(TOPICS)]
     recording = None
     if path is not None:
-        options = RecordingOptions(path, compression=compression)
-        recording = ProgramRecording(backend, make_logger("recording"), options)
-        recording.start()
+        recording = ProgramRecording(RecordOptions(path, compression=compression))
+        recording.begin(backend, make_logger("recording"))
     message = Imu(angular_velocity=Vector3(1.0, 2.0, 3.0))
     before = time.process_time_ns()
     sent = _publish(publishers, message)
     if recording is not None:
-        recording.stop()
+        recording.close(None)
     cpu_us = (time.process_time_ns() - before) / 1e3 / sent
     backend.close()
     return cpu_us, 0 if path is None else sent - _count(path)

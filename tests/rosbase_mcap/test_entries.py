@@ -8,14 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosbase import make_logger
-from rosbase.messages import Vector3
-from rosbase.testing import virtual_backend
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.entries import ENTRIES, Entry, EntryKind, attachment, entries_of
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.file_writer import FileWriter
-from rosbase_mcap.program_recording import ProgramRecording, RecordingOptions
 from rosbase_mcap.reading import messages
 from rosbase_mcap.recorder import Recorder
 
@@ -76,35 +73,3 @@ def test_entries_are_recorded_beside_the_messages(tmp_path: Path) -> None:
     assert list(entries_of(BytesIO(data))) == entries
     assert len(list(messages(BytesIO(data)))) == 3
     assert ENTRIES.encode() in data
-
-
-def test_a_program_records_itself_and_only_the_topics_that_were_chosen(tmp_path: Path) -> None:
-    path = tmp_path / "run.mcap"
-    backend = virtual_backend()
-    wanted = backend.create_publisher(Vector3, "wanted", 10)
-    other = backend.create_publisher(Vector3, "other", 10)
-    options = RecordingOptions(path, topics={"/wanted"})
-    recording = ProgramRecording(backend, make_logger("test"), options)
-    recording.start()
-    wanted.publish(Vector3(1.0))
-    other.publish(Vector3(2.0))
-    recording.stop()
-    recording.stop()
-    found = [entry.channel.topic for entry in messages(BytesIO(path.read_bytes()))]
-    assert found == ["/wanted"]
-    backend.close()
-
-
-def test_a_ring_is_written_when_it_is_asked_for_and_not_before(tmp_path: Path) -> None:
-    path = tmp_path / "run.mcap"
-    backend = virtual_backend()
-    publisher = backend.create_publisher(Vector3, "point", 10)
-    options = RecordingOptions(path, last_ns=1_000_000_000)
-    recording = ProgramRecording(backend, make_logger("test"), options)
-    recording.start()
-    publisher.publish(Vector3(1.0))
-    recording.stop()
-    assert not path.exists()
-    assert recording.save() == 1
-    assert len(list(messages(BytesIO(path.read_bytes())))) == 1
-    backend.close()

@@ -16,11 +16,11 @@ from rosbase_mcap.recovery import is_complete, mend
 PROGRAM = """
 import resource, signal, sys, time
 from pathlib import Path
-from rosbase import make_logger
+from rosbase import RecordOptions, make_logger
 from rosbase.messages import Vector3
 from rosbase.testing import virtual_backend
 from rosbase.clock import SystemClock
-from rosbase_mcap.program_recording import ProgramRecording, RecordingOptions
+from rosbase_mcap.program_recording import ProgramRecording
 
 path, limit = Path(sys.argv[1]), int(sys.argv[2])
 if limit:
@@ -29,8 +29,8 @@ if limit:
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 backend = virtual_backend(SystemClock())
 publisher = backend.create_publisher(Vector3, "point", 10)
-recording = ProgramRecording(backend, make_logger("test"), RecordingOptions(path))
-recording.start()
+recording = ProgramRecording(RecordOptions(path))
+recording.begin(backend, make_logger("test"))
 print("ready", flush=True)
 number = 0
 end = time.monotonic() + (3.0 if limit else 60.0)
@@ -39,7 +39,7 @@ while time.monotonic() < end:
     number += 1
     print(time.time_ns(), flush=True)
     time.sleep(0.001)
-recording.stop()
+recording.close(None)
 backend.close()
 """
 

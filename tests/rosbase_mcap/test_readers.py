@@ -7,10 +7,10 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from rosbase import DurabilityPolicy, QoSProfile, make_logger
+from rosbase import DurabilityPolicy, QoSProfile, RecordOptions, make_logger
 from rosbase.messages import Header, Imu, Time, TransformStamped, Vector3
 from rosbase.testing import virtual_backend
-from rosbase_mcap.program_recording import ProgramRecording, RecordingOptions
+from rosbase_mcap.program_recording import ProgramRecording
 
 
 @pytest.fixture(params=["", "lz4", "zstd"])
@@ -21,15 +21,14 @@ def path(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     imu = backend.create_publisher(Imu, "imu/data", 10)
     latched = QoSProfile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     frame = backend.create_publisher(TransformStamped, "mounted", latched)
-    options = RecordingOptions(made, compression=request.param)
-    recording = ProgramRecording(backend, make_logger("test"), options)
+    recording = ProgramRecording(RecordOptions(made, compression=request.param))
     frame.publish(TransformStamped(Header(Time(1, 2), "base"), "imu_link"))
-    recording.start()
+    recording.begin(backend, make_logger("test"))
     for number in range(100):
         rate = Vector3(float(number), 0.0, -1.5)
         imu.publish(Imu(Header(Time(number, 5), "imu_link"), angular_velocity=rate))
-    recording.stop()
     backend.close()
+    recording.close(None)
     return made
 
 

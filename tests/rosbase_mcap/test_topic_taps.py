@@ -57,7 +57,7 @@ def recording(tmp_path: Path) -> Iterator[Recording]:
 
 def test_messages_are_recorded_as_cdr_with_their_schema_and_profile(recording: Recording) -> None:
     publisher = recording.backend.create_publisher(Imu, "imu/data", LATCHING)
-    recording.taps.look()
+    recording.taps.begin()
     publisher.publish(Imu(angular_velocity=Vector3(1.0, 2.0, 3.0)))
     [entry] = recording.entries()
     assert entry.channel.topic == "/imu/data"
@@ -72,17 +72,17 @@ def test_messages_are_recorded_as_cdr_with_their_schema_and_profile(recording: R
 def test_kept_messages_are_recorded_once(recording: Recording) -> None:
     publisher = recording.backend.create_publisher(Vector3, "point", LATCHING)
     publisher.publish(Vector3(1.0))
-    recording.taps.look()
-    recording.taps.look()
+    recording.taps.begin()
+    recording.taps.begin()
     publisher.publish(Vector3(2.0))
     found = [deserialize(entry.message.data, Vector3).x for entry in recording.entries()]
     assert found == [1.0, 2.0]
 
 
 def test_topics_that_come_later_are_found(recording: Recording) -> None:
-    recording.taps.look()
+    recording.taps.begin()
     publisher = recording.backend.create_publisher(Vector3, "point", 10)
-    recording.taps.look()
+    recording.taps.begin()
     publisher.publish(Vector3(2.0))
     assert [entry.channel.topic for entry in recording.entries()] == ["/point"]
 
@@ -94,15 +94,15 @@ def test_a_class_without_a_schema_is_left_out_and_named_once(
         pass
 
     publisher: Any = recording.backend.create_publisher(Own, "own", 10)
-    recording.taps.look()
-    recording.taps.look()
+    recording.taps.begin()
+    recording.taps.begin()
     publisher.publish(Own())
     assert recording.entries() == []
     assert caplog.text.count("/own is not recorded") == 1
 
 
 def test_parameters_are_recorded_when_they_change(recording: Recording) -> None:
-    recording.taps.look()
+    recording.taps.begin()
     recording.backend.declare_parameter(ParameterSpec("speed", 1.5))
     entries = recording.entries()
     assert {entry.channel.topic for entry in entries} == {"/parameter_events"}
@@ -113,7 +113,7 @@ def test_parameters_are_recorded_when_they_change(recording: Recording) -> None:
 
 def test_transitions_of_lifecycle_nodes_are_recorded(recording: Recording) -> None:
     node = LifecycleNode(None, name="arm", backend=recording.backend)
-    recording.taps.look()
+    recording.taps.begin()
     node.trigger_configure()
     found = [entry for entry in recording.entries() if "transition" in entry.channel.topic]
     assert found

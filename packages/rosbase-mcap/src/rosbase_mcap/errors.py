@@ -1,11 +1,11 @@
 """Errors of recordings."""
 
-from rosbase import RosbaseError
+from rosbase import RecordingError
 
 __all__ = ["McapError", "NotMcapError"]
 
 
-class McapError(RosbaseError):
+class McapError(RecordingError):
     """A file that breaks the rules of MCAP, or a recording that is impossible."""
 
 

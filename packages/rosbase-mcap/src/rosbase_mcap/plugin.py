@@ -1,13 +1,13 @@
-"""Register the commands for recordings. Imports no more than the command that runs needs."""
+"""Register the recorder and the commands. Imports no more than what runs needs."""
 
 import argparse
 from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from rosbase import CommandPlugin, hookimpl
+from rosbase import CommandPlugin, RecorderPlugin, Recording, RecordOptions, hookimpl
 
-__all__ = ["rosbase_commands"]
+__all__ = ["rosbase_commands", "rosbase_recorders"]
 
 _COMMANDS = (
     ("record", "record the topics of a running program", "record_command"),
@@ -35,3 +35,15 @@ def _command(name: str, summary: str, module: str) -> CommandPlugin:
 def rosbase_commands() -> Iterable[CommandPlugin]:
     """Return the commands for recordings."""
     return [_command(*command) for command in _COMMANDS]
+
+
+def _open(options: RecordOptions) -> Recording:
+    module = import_module("rosbase_mcap.program_recording")
+    recording: Recording = module.ProgramRecording(options)
+    return recording
+
+
+@hookimpl
+def rosbase_recorders() -> Iterable[RecorderPlugin]:
+    """Return the recorder of MCAP files."""
+    return [RecorderPlugin("mcap", "recordings that ros2 bag and Foxglove open", _open)]

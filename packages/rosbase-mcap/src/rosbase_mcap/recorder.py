@@ -1,5 +1,6 @@
 """The thread that writes a recording, and the way of messages to it."""
 
+import threading
 from collections.abc import Callable, Iterable, Mapping
 from itertools import count
 from typing import Protocol
@@ -73,6 +74,8 @@ class Recorder:
         self._before_flush = before_flush
         self._backlog = Backlog(most_bytes)
         self._thread = background_thread(self._run, "recorder")
+        # Held from the moment that messages are taken until they are in the sink.
+        self._writing = threading.Lock()
         self._is_stopping = False
         self._is_broken = False
         self._unwritten = 0
@@ -117,6 +120,11 @@ class Recorder:
         stamp_ns = entry.stamp_ns
         self._backlog.add((ENTRIES_CHANNEL, 0, stamp_ns, stamp_ns, entry.packed()))
 
+    def drain(self) -> None:
+        """Bring to the sink now what waits. Call it from any thread."""
+        with self._writing:
+            self._write(self._backlog.take())
+
     def start(self) -> None:
         """Begin to write."""
         self._thread.start()
@@ -128,7 +136,7 @@ class Recorder:
         self._is_stopping = True
         if self._thread.ident is None:
             # It was never started, and there is a file to end.
-            self._write(self._backlog.take())
+            self.drain()
             self._end()
             return
         self._backlog.wake()
@@ -143,7 +151,7 @@ class Recorder:
             is_last = self._is_stopping
             if not is_last:
                 self._before_flush()
-            self._write(self._backlog.take())
+            self.drain()
             self._say_losses()
             if is_last:
                 self._end()

@@ -16,15 +16,17 @@ from rosbase_mcap.records import Metadata
 __all__ = ["Ring"]
 
 # Of a topic such as /tf_static, as many old messages are kept as it may have publishers.
-_MOST_LATCHED = 100
+_MOST_LATCHED = 1_000
+# They say which values and states there are, until others come.
+_LASTING = ("/parameter_events", "/transition_event")
 _OVERHEAD_BYTES = 200
 
 
 class Ring:
     """Keeps the messages of the last seconds. One thread adds, any thread saves.
 
-    Messages of latched topics, such as /tf_static, are kept longer: without them, the others are
-    hard to read.
+    Messages of latched topics, such as /tf_static, are kept longer, and so are those of parameters
+    and transitions: without them, the others are hard to read.
     """
 
     def __init__(
@@ -100,11 +102,15 @@ class Ring:
             output.close()
         return len(items)
 
+    def _is_lasting(self, channel: int) -> bool:
+        topic = self._table.channel(channel).topic
+        return self._table.is_latched(channel) or topic.endswith(_LASTING)
+
     def _forget(self, before_ns: int) -> None:
         items = self._items
         while items and (items[0][2] < before_ns or self._bytes > self._most_bytes):
             item = items.popleft()
             self._bytes -= len(item[4]) + _OVERHEAD_BYTES
-            if self._table.is_latched(item[0]):
+            if self._is_lasting(item[0]):
                 kept = self._latched.setdefault(item[0], deque(maxlen=_MOST_LATCHED))
                 kept.append(item)

@@ -1,10 +1,11 @@
-"""When a recording goes on in another file, and how that is called. Pure."""
+"""When a recording goes on in another file, and how that is called."""
 
+from itertools import count
 from pathlib import Path
 
 from attrs import frozen
 
-__all__ = ["Split", "part_path"]
+__all__ = ["Split", "free_part", "part_path"]
 
 
 @frozen
@@ -25,3 +26,8 @@ class Split:
 def part_path(path: Path, part: int) -> Path:
     """Return the name of a part: `run.mcap`, `run_1.mcap`, `run_2.mcap`."""
     return path if part == 0 else path.with_name(f"{path.stem}_{part}{path.suffix}")
+
+
+def free_part(path: Path) -> Path:
+    """Return the first of these names that no file has."""
+    return next(part for part in (part_path(path, n) for n in count()) if not part.exists())

@@ -1,5 +1,6 @@
 """Hear the topics of a program, from within."""
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -16,7 +17,10 @@ _PARAMETER_EVENTS = TopicEnd("", "/parameter_events", "rcl_interfaces/msg/Parame
 
 
 class TopicTaps:
-    """Records the topics that a backend publishes or receives, new ones too."""
+    """Records the topics that a backend publishes or receives, new ones from their first message.
+
+    Any thread may use it.
+    """
 
     def __init__(
         self,
@@ -25,7 +29,7 @@ class TopicTaps:
         logger: RosbaseLogger,
         is_wanted: Callable[[str], bool] = lambda topic: True,
     ) -> None:
-        """Prepare; `look` begins to hear.
+        """Prepare; `begin` begins to hear.
 
         Args:
             backend: Connection of the program.
@@ -36,23 +40,47 @@ class TopicTaps:
         self._backend, self._recorder, self._logger = backend, recorder, logger
         self._is_wanted = is_wanted
         self._taps: dict[str, Tap | None] = {}
+        self._is_closed = False
+        # A listener may log, and the log may be a new topic.
+        self._lock = threading.RLock()
+
+    def begin(self) -> None:
+        """Hear the topics that there are, and each new one."""
+        self._backend.new_ends.add(self._welcome)
+        self.look()
 
     def look(self) -> None:
-        """Hear the topics that are new. Call it again and again, on one thread. Raises nothing."""
+        """Hear the topics that are new. Raises nothing.
+
+        `begin` does so too. Call it now and then, for backends that do not tell of new topics.
+        """
         try:
             ends = _by_topic(self._backend.graph())
         except BackendError:
             # It is closed, or has no graph.
             return
         for topic, found in ends.items():
-            if topic not in self._taps and self._is_wanted(topic):
-                self._taps[topic] = self._heard(topic, found)
+            self._add(topic, found)
 
     def close(self) -> None:
         """Hear nothing any more."""
-        for tap in self._taps.values():
-            if tap is not None:
-                tap.close()
+        self._backend.new_ends.remove(self._welcome)
+        with self._lock:
+            self._is_closed = True
+            taps = [tap for tap in self._taps.values() if tap is not None]
+        for tap in taps:
+            tap.close()
+
+    def _welcome(self, end: TopicEnd) -> None:
+        self._add(end.name, [end])
+
+    def _add(self, topic: str, ends: list[TopicEnd]) -> None:
+        with self._lock:
+            if topic in self._taps or self._is_closed or not self._is_wanted(topic):
+                return
+            # The log may have a topic of its own, whose first message comes meanwhile.
+            self._taps[topic] = None
+            self._taps[topic] = self._heard(topic, ends)
 
     def _heard(self, topic: str, ends: list[TopicEnd]) -> Tap | None:
         try:

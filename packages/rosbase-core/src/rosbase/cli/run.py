@@ -9,7 +9,7 @@ from typing import TextIO
 from rosbase.cli.arguments import OneLineParser
 from rosbase.cli.backend_arguments import check_taken, split_arguments
 from rosbase.cli.output import own_stdio
-from rosbase.errors import ConfigurationError, RosbaseError
+from rosbase.errors import ConfigurationError, ControlError, RosbaseError
 from rosbase.plugins import CommandPlugin, installed_plugins
 from rosbase.roles.connection import backend_name
 from rosbase.text.printable import MOST_LINE, one_line
