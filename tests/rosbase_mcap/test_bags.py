@@ -30,6 +30,7 @@ from rosbase_mcap.file_writer import FileWriter
 
 S = 1_000_000_000
 COUNT = 5
+SECONDS = range(1, COUNT + 1)
 NAME = "sensor_msgs/msg/Imu"
 FORM = message_format(Imu)
 
@@ -57,7 +58,7 @@ def of_rosbag2(folder: Path, plugin: StoragePlugin) -> Path:
         imu = writer.add_connection("/imu/data", NAME, typestore=store)
         text = writer.add_connection("/text", "std_msgs/msg/String", typestore=store)
         string = store.types["std_msgs/msg/String"]
-        for second in range(COUNT):
+        for second in SECONDS:
             data = store.serialize_cdr(imu_of(store, second), NAME)
             writer.write(imu, second * S, data)
             line = store.serialize_cdr(string(data="x"), "std_msgs/msg/String")
@@ -70,7 +71,7 @@ def of_ros_1(folder: Path) -> Path:
     path = folder / "run.bag"
     with Writer1(path) as writer:
         imu = writer.add_connection("imu/data", NAME, typestore=store)
-        for second in range(COUNT):
+        for second in SECONDS:
             data = store.serialize_ros1(imu_of(store, second, seq=second), NAME)
             writer.write(imu, second * S, data)
     return path
@@ -80,7 +81,7 @@ def of_rosbase(folder: Path) -> Path:
     pieces, table = list[bytes](), ChannelTable()
     writer = FileWriter(pieces.append)
     number = table.add("/imu/data", FORM.type_name, FORM.schema, {})
-    for second in range(COUNT):
+    for second in SECONDS:
         items = [(number, 0, second * S, second * S, FORM.encode(imu(second)))]
         write_items(writer, table, items)
     writer.finish()
@@ -111,10 +112,11 @@ BAGS: dict[str, Callable[[Path], Path]] = {
 def test_messages_come_as_ros_2_has_them(make: Callable[[Path], Path], tmp_path: Path) -> None:
     with open_bag(make(tmp_path)) as bag:
         assert bag.topics["/imu/data"] == BagTopic(NAME)
+        assert bag.start_ns == S
         found = list(bag.messages(["/imu/data"]))
         again = list(bag.messages(["/imu/data"]))
-    assert [one.log_ns for one in found] == [second * S for second in range(COUNT)]
-    assert [FORM.decode(one.data) for one in found] == [imu(second) for second in range(COUNT)]
+    assert [one.log_ns for one in found] == [second * S for second in SECONDS]
+    assert [FORM.decode(one.data) for one in found] == [imu(second) for second in SECONDS]
     assert again == found
 
 
@@ -162,6 +164,7 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> No
     path.write_bytes(path.read_bytes()[:-600])
     with open_bag(path) as bag:
         assert bag.topics == {"/imu/data": BagTopic(NAME)}
+        assert bag.start_ns == S
         assert 0 < len(list(bag.messages(bag.topics))) <= COUNT
 
 

@@ -8,10 +8,10 @@ from rosbase.contracts.message_format import message_format
 from rosbase.messages import Imu, JointState, Time, Vector3
 from rosbase.messages.rcl_interfaces import Log
 from rosbase_mcap.channel_table import ROS2MSG
+from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.records import Schema
 from rosbase_mcap.replaying.difference import Comparison, Difference, clock_text
 from rosbase_mcap.replaying.fields import changes
-from rosbase_mcap.replaying.outputs import Digest, Output
 
 S = 1_000_000_000
 

@@ -12,12 +12,13 @@ from rosbase.entries.kinds import Kind
 from rosbase.entries.script import read_entries
 from rosbase.entries.sink import EndFacts, RunFacts
 from rosbase.entries.trace import Trace, TraceBlock
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.errors import McapError, NotMcapError
 from rosbase_mcap.file_writer import FileWriter
+from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.reading import contents
 from rosbase_mcap.records import Attachment, Channel, Message, Metadata, Schema
 from rosbase_mcap.recovery import mend
-from rosbase_mcap.replaying.outputs import ORIGIN, OUTSIDE, Digest, Output
 from rosbase_mcap.replaying.run_file import open_run
 from rosbase_mcap.traces import (
     END,

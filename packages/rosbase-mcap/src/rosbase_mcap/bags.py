@@ -13,7 +13,7 @@ from rosbase_mcap.cutting import is_latched
 from rosbase_mcap.reading import Selection, contents, messages, read_summary
 from rosbase_mcap.records import Channel, Schema
 
-__all__ = ["Bag", "BagMessage", "BagTopic", "open_bag"]
+__all__ = ["Bag", "BagMessage", "BagTopic", "is_mcap", "open_bag"]
 
 _MCAP = ".mcap"
 
@@ -46,9 +46,19 @@ class Bag(Protocol):
         """Its topics by full name; those whose messages are not CDR are left out."""
         ...
 
+    @property
+    def start_ns(self) -> int:
+        """Date of its first message, in nanoseconds since 1970; 0 if it has none."""
+        ...
+
     def messages(self, topics: Collection[str]) -> Iterator[BagMessage]:
         """Yield the messages of some topics, in the order of the bag."""
         ...
+
+
+def is_mcap(path: Path) -> bool:
+    """Return whether a recording is an MCAP file, by its name; a folder of rosbag2 is none."""
+    return path.suffix == _MCAP and not path.is_dir()
 
 
 def open_bag(path: Path) -> AbstractContextManager[Bag]:
@@ -58,7 +68,7 @@ def open_bag(path: Path) -> AbstractContextManager[Bag]:
         McapError: It cannot be read.
         NotInstalledError: It is no MCAP file, and `rosbags` is not installed.
     """
-    if path.suffix == _MCAP:
+    if is_mcap(path):
         return _open_mcap(path)
     from rosbase_mcap.foreign_bags import open_foreign_bag
 
@@ -81,6 +91,14 @@ class _McapBag:
             for channel, schema in _channels(stream)
             if channel.message_encoding == CDR
         }
+
+    @property
+    def start_ns(self) -> int:
+        """Date of the first message; 0 if there is none."""
+        summary = read_summary(self._stream)
+        if summary is not None:
+            return summary.start_ns or 0
+        return next((entry.message.log_ns for entry in messages(self._stream)), 0)
 
     def messages(self, topics: Collection[str]) -> Iterator[BagMessage]:
         """Yield the messages of some topics, in the order of the file."""

@@ -57,6 +57,11 @@ class _ForeignBag:
             for connection in reader.connections
         }
 
+    @property
+    def start_ns(self) -> int:
+        """Date of the first message; 0 if there is none."""
+        return self._reader.start_time if self._reader.message_count else 0
+
     def messages(self, topics: Collection[str]) -> Iterator[BagMessage]:
         """Yield the messages of some topics, in the order of their dates."""
         wanted = frozenset(topics)

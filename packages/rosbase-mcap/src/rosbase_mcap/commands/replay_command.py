@@ -10,12 +10,12 @@ from attrs import evolve
 
 from rosbase import ConfigurationError
 from rosbase.program import take_arguments
-from rosbase_mcap.bags import is_mcap
+from rosbase_mcap.bags import is_mcap, open_bag
 from rosbase_mcap.commands.intermixed import allow_intermixed
 from rosbase_mcap.quantities import moment_ns
 from rosbase_mcap.replaying.options import ReplayOptions, check_options
 from rosbase_mcap.replaying.run_file import RunFile, open_run
-from rosbase_mcap.replaying.surroundings import restored_environment
+from rosbase_mcap.surroundings import restored_environment
 
 __all__ = ["configure", "run"]
 
@@ -90,12 +90,10 @@ def _options(arguments: Any, recorded: RunFile | None) -> ReplayOptions:
     if topics is not None:
         topics = [f"/{topic.lstrip('/')}" for topic in topics]
     rate = None if arguments.as_fast or arguments.check else 1.0
-    options = ReplayOptions(
-        arguments.file, topics, arguments.rate or rate, checks=arguments.check
-    )
+    options = ReplayOptions(arguments.file, topics, arguments.rate or rate, checks=arguments.check)
     if arguments.start is None and arguments.end is None:
         return options
-    first_ns = recorded.run.facts.start_date_ns if recorded is not None else _first_ns(options.path)
+    first_ns = recorded.run.facts.start_date_ns if recorded is not None else _start_ns(options.path)
     try:
         start, end = (
             None if text is None else max(0, moment_ns(text, first_ns) - first_ns)
@@ -104,6 +102,11 @@ def _options(arguments: Any, recorded: RunFile | None) -> ReplayOptions:
     except argparse.ArgumentTypeError as error:
         raise ConfigurationError(str(error)) from None
     return evolve(options, start_ns=start or 0, end_ns=end)
+
+
+def _start_ns(path: Path) -> int:
+    with open_bag(path) as bag:
+        return bag.start_ns
 
 
 def _rate(text: str) -> float:

@@ -11,9 +11,9 @@ from enum import Enum
 
 from attrs import frozen
 
+from rosbase_mcap.outputs import Output, number_in_file
 from rosbase_mcap.records import Schema
 from rosbase_mcap.replaying.fields import Changes, changes
-from rosbase_mcap.replaying.outputs import Output, number_in_file
 
 __all__ = ["Comparison", "Difference", "Kind", "clock_text"]
 

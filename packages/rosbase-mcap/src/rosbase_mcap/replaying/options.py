@@ -1,6 +1,7 @@
 """What a user wants of a replay. Pure."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +18,17 @@ _NO_BEGINNING = {
 }
 
 
+def _names(topics: Iterable[str] | None) -> tuple[str, ...] | None:
+    return None if topics is None else tuple(topics)
+
+
 @frozen
 class ReplayOptions:
     """What is replayed, how fast, and what becomes of it."""
 
     path: Path = field(converter=Path)
     """The recording."""
-    topics: tuple[str, ...] | None = field(
-        default=None, converter=lambda names: None if names is None else tuple(names)
-    )
+    topics: tuple[str, ...] | None = field(default=None, converter=_names)
     """Topics that come from the file, all others from the program: none stands for those that the
     program subscribes to. None replays every input of the recorded program."""
     rate: float | None = 1.0

@@ -8,12 +8,13 @@ from typing import BinaryIO
 from attrs import evolve, frozen
 
 from rosbase.entries.trace import TraceBlock
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.commands.opened import opened
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.outputs import Output
 from rosbase_mcap.reading import contents, messages, read_summary
 from rosbase_mcap.recorder import LOSSES
 from rosbase_mcap.records import PREFIX, Attachment, Channel, Metadata, Schema
-from rosbase_mcap.replaying.outputs import ORIGIN, OUTSIDE, Output
 from rosbase_mcap.splitting import part_path
 from rosbase_mcap.traces import END, RUN, Run, RunEnd, blocks_of, is_trace, read_end, read_run
 

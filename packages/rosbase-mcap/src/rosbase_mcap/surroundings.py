@@ -45,9 +45,9 @@ def differences(recorded: Mapping[str, Any], program: str) -> list[str]:
     now = surroundings()
     found = []
     for name, what in (("python", "Python"), ("machine", "the machine")):
-        old, new = str(recorded.get(name, "")), str(now[name])
-        if old and old != new:
-            found.append(f"{what} is {new}, not {old}")
+        old = recorded.get(name)
+        if old and old != now[name]:
+            found.append(f"{what} is {now[name]}, not {old}")
     versions = recorded.get("versions")
     for name, new in now["versions"].items():
         old = versions.get(name) if isinstance(versions, dict) else None

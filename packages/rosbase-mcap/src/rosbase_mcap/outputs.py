@@ -7,10 +7,8 @@ from typing import NamedTuple
 
 from rosbase_mcap.log_channel import LOG_TOPIC
 
-__all__ = ["ORIGIN", "OUTSIDE", "Digest", "Output", "number_in_file"]
+__all__ = ["Digest", "Output", "number_in_file"]
 
-ORIGIN, OUTSIDE = "origin", "outside"
-"""Metadata of a channel whose messages have come from outside: they are inputs, not outputs."""
 _PREFIX = struct.Struct("<III")
 _NUMBERS = 1 << 32
 
