@@ -5,7 +5,7 @@ the recording was flushed: every reader of MCAP leaves those alone.
 """
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import IntEnum
 from typing import BinaryIO
 
@@ -41,6 +41,10 @@ class EntryKind(IntEnum):
     """A message that a thread of the user's own has published."""
 
 
+def _numbers(values: Iterable[int]) -> tuple[int, ...]:
+    return tuple(values)
+
+
 @frozen
 class Entry:
     """One entry. It runs as a whole before the next."""
@@ -52,7 +56,7 @@ class Entry:
     """When it came, in nanoseconds since 1970."""
     source: str = ""
     """Name of the timer, the topic, the transport or the service."""
-    clock_ns: Sequence[int] = field(default=(), converter=tuple)
+    clock_ns: Sequence[int] = field(default=(), converter=_numbers)
     """What the entry has read from the clock, in its order, in nanoseconds."""
     data: bytes = b""
     """The message, the frame or the request."""

@@ -67,6 +67,7 @@ class FileSink:
         self._split = split or Split()
         self._compression = compression
         self._part = 0
+        self._synced = 0
         self._begin()
 
     @property
