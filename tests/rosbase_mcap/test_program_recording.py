@@ -37,7 +37,7 @@ class Talker(BaseNode):
 class Robot(BaseManager):
     """Publishes in each tick, and ends after ten, in order or not."""
 
-    def __init__(self, record: object, *, fails: bool = False) -> None:
+    def __init__(self, record: str | Path | RecordOptions, *, fails: bool = False) -> None:
         self.fails = fails
         super().__init__(
             "robot",

@@ -1,6 +1,7 @@
 """Recordings as other programs read them: mcap with ROS 2, and rosbags."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mcap.reader import make_reader
@@ -49,8 +50,8 @@ def test_rosbags_reads_the_messages_and_the_profiles(path: Path) -> None:
         assert topics["/imu/data"].msgtype == "sensor_msgs/msg/Imu"
         assert topics["/imu/data"].msgcount == 100
         assert "durability=<QosDurability.TRANSIENT_LOCAL" in str(topics["/mounted"].ext)
-        rates = [
-            reader.deserialize(data, connection.msgtype).angular_velocity.x
+        found: list[Any] = [
+            reader.deserialize(data, connection.msgtype)
             for connection, _, data in reader.messages([topics["/imu/data"]])
         ]
-    assert rates == [float(number) for number in range(100)]
+    assert [imu.angular_velocity.x for imu in found] == [float(number) for number in range(100)]

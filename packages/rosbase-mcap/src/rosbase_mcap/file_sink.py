@@ -59,6 +59,7 @@ class FileSink:
         self._compression = compression
         self._part = 0
         self._head: Callable[[int], Metadata] | None = None
+        self._synced = 0
         self._begin()
 
     @property

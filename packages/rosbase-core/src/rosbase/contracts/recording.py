@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -24,13 +25,18 @@ def _not_negative(instance: object, attribute: object, value: float | None) -> N
         )
 
 
+def _texts(values: Iterable[str]) -> tuple[str, ...]:
+    # One alone is a mistake that is easily made, and has one meaning only.
+    return (values,) if isinstance(values, str) else tuple(values)
+
+
 @frozen
 class RecordOptions:
     """What to record of a program, and where to."""
 
     path: Path = field(converter=Path)
     """The file. Its suffix chooses the recorder: `.mcap` is that of rosbase-mcap."""
-    topics: tuple[str, ...] = field(default=(), converter=tuple)
+    topics: tuple[str, ...] = field(default=(), converter=_texts)
     """Full names of the topics; none stands for all."""
     last_s: float | None = field(default=None, validator=_not_negative)
     """Keep only this time in memory, in seconds. It is written to the file if an error ends the
