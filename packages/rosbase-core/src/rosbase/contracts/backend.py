@@ -14,7 +14,7 @@ May implement, if the backend reaches beyond this process: `delivers_in_process`
 May set, before the constructor returns: `node_name`, `clock`.
 
 Never override, because the executor sets them: `executor`, `call_soon`, `spin_once`, `spin_until`,
-`is_in_virtual_time`.
+`is_in_virtual_time`, `conductor`.
 
 `rosbase.testing.backend_contract` checks all of this. Optional abilities of a backend are declared
 there, not guessed.
@@ -71,6 +71,7 @@ from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.names import check_node_name
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.node_view import NodeView
+from rosbase.entries.conductor import conductor_of
 from rosbase.parameters import ParameterValue
 from rosbase.runtime.executor import Executor, ExecutorTimer
 
@@ -121,7 +122,10 @@ class Backend(NodeConnection):
         check_node_name(node_name)
         self.node_name = node_name
         self.clock = clock
-        self.executor = Executor(clock)
+        self.conductor = conductor_of(clock)
+        """Records or replays the program; None for most programs."""
+        conductor = self.conductor
+        self.executor = conductor.make_executor() if conductor else Executor(clock)
         """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
         """Ask the spinning thread to call a function. Call it from any thread or signal handler."""
@@ -133,7 +137,8 @@ class Backend(NodeConnection):
         """
         self.spin_until = self.executor.spin_until
         """Handle callbacks as they come, until a deadline on the monotonic clock."""
-        self.is_in_virtual_time = not isinstance(clock, SystemClock)
+        machine = getattr(clock, "machine", clock)
+        self.is_in_virtual_time = not isinstance(machine, SystemClock)
         """Whether deadlines follow a test's clock instead of this machine's."""
 
     @abstractmethod

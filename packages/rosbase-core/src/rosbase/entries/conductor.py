@@ -9,7 +9,7 @@ free, and no thread waits for that.
 """
 
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from rosbase.clock import Clock
 from rosbase.entries.kinds import Kind, Numbered
@@ -44,6 +44,18 @@ class Conductor(Protocol):
 
     def make_executor(self) -> Executor:
         """Return the executor of the program; called once."""
+        ...
+
+    def begin(self, backend: Any) -> None:
+        """Note that the backend of the program is open, before the first component is built."""
+        ...
+
+    def end(self, error: BaseException | None) -> None:
+        """Note that the program has ended, after its clean-up.
+
+        Args:
+            error: What has ended it; None for a stop.
+        """
         ...
 
     def number(self, what: Numbered, text: str, play: Play) -> int:

@@ -149,6 +149,8 @@ class Numbered(IntEnum):
     CLIENT = 5
     CALL = 6
     TRANSPORT = 7
+    THREAD = 8
+    """A thread of the user that calls `call_soon`; noted at its first call."""
 
 
 class TimerOp(IntEnum):
