@@ -157,9 +157,9 @@ class Recorder:
             # A frame that is being handed over is to end before anything else runs.
             value = call() if self._is_bringing_in else self._call_with_turn_free(call)
         except Exception as error:
-            self.enter_now(Kind.SECTION, *numbers, False, payload=to_json(error_to_json(error)))
+            self.enter_now(Kind.SECTION, *numbers, 0, payload=to_json(error_to_json(error)))
             raise
-        self.enter_now(Kind.SECTION, *numbers, True, payload=to_json(value))
+        self.enter_now(Kind.SECTION, *numbers, 1, payload=to_json(value))
         return value
 
     def aside(self, call: Callable[[], object]) -> None:
@@ -225,7 +225,7 @@ class Recorder:
             raise item.error
 
     def come_in_later(self, kind: Kind, run: Callable[[], object]) -> None:
-        """Queue an item and do nothing else, as a signal handler must: it may interrupt anything."""
+        """Queue an item and do nothing else, because a signal handler may interrupt anything."""
         if self._is_over:
             run()
             return

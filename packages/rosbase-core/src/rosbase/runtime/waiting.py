@@ -45,9 +45,7 @@ class Waiting:
         with executor.let_others():
             self._sleep_until(done, timeout_s, deadline_ns)
 
-    def _sleep_until(
-        self, done: Callable[[], object], timeout_s: float, deadline_ns: int
-    ) -> None:
+    def _sleep_until(self, done: Callable[[], object], timeout_s: float, deadline_ns: int) -> None:
         executor = self._executor
         begin_ns = self._machine.monotonic_ns()
         sleeper = threading.Event()
