@@ -54,7 +54,8 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         self._name = service_name
         self._executor = executor
         self._waiting = Waiting(executor)
-        self._pending: set[ServiceCall[Any, Any]] = set()
+        # No set, whose order would be that of addresses: calls fail in the order of their begin.
+        self._pending: dict[ServiceCall[Any, Any], None] = {}
         self._dropped = 0
         self._drop_lock = threading.Lock()
         self._is_closed = False
@@ -158,7 +159,7 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         call: ServiceCall[RequestT, ResponseT] = ServiceCall(
             self._name, request, self._executor, self._ended, self.count_late
         )
-        self._pending.add(call)
+        self._pending[call] = None
         # Looked at only now: whoever closes it afterwards finds the call.
         if self._is_closed:
             call.cancel()
@@ -166,7 +167,7 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         return call
 
     def _ended(self, call: ServiceCall[Any, Any]) -> None:
-        self._pending.discard(call)
+        self._pending.pop(call, None)
         self._waiting.changed()
 
     def count_late(self) -> None:

@@ -53,7 +53,7 @@ class LocalBackend(Backend):
         self._owners: dict[Any, str] = {}
         self._nodes = [self.node_name]
         self._srv_types: dict[Any, Any] = {}
-        self._taps: set[Tap] = set()
+        self._taps: dict[Tap, None] = {}
         self._closed = False
         self._standard = StandardOffers(self, self._bus, self._parameters, logger)
         self._standard.offer_parameters(self.node_name, "")
@@ -203,7 +203,7 @@ class LocalBackend(Backend):
     def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
         """Hear every message of a topic on the bus, and what comes from links."""
         tap = Tap(self._check(topic), on_message, self._remove_tap, self._fail_tap)
-        self._taps.add(tap)
+        self._taps[tap] = None
         self._bus.add_tap(tap)
         return tap
 
@@ -247,7 +247,7 @@ class LocalBackend(Backend):
         self.executor.close()
 
     def _remove_tap(self, tap: Tap) -> None:
-        self._taps.discard(tap)
+        self._taps.pop(tap, None)
         self._bus.remove_tap(tap)
 
     def _fail_tap(self, tap: Tap, error: Exception) -> None:
