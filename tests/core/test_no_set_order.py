@@ -99,12 +99,13 @@ def _attributes(tree: ast.Module) -> Iterator[str]:
             for line in node.body:
                 if isinstance(line, ast.AnnAssign) and _is_set_type(line.annotation):
                     yield ast.unparse(line.target)
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Attribute):
-            if _is_set_type(node.annotation):
+        elif isinstance(node, ast.AnnAssign):
+            if isinstance(node.target, ast.Attribute) and _is_set_type(node.annotation):
                 yield node.target.attr
-        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
-            if _Finder(ast.Module([], []), set(), set()).is_set(node.value):
-                yield node.targets[0].attr
+        elif isinstance(node, ast.Assign):
+            target, nothing = node.targets[0], _Finder(ast.Module([], []), set(), set())
+            if isinstance(target, ast.Attribute) and nothing.is_set(node.value):
+                yield target.attr
 
 
 def _functions(tree: ast.Module) -> Iterator[str]:

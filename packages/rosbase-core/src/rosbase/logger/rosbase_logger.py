@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.console import current_console
+from rosbase.logger.dates import set_date
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
@@ -279,6 +280,7 @@ class RosbaseLogger:
             stack_of(frame) if options.get("stack_info") else None,
         )
         record.exc_text = None if error is None else traceback_of(error)
+        set_date(record)
         return record
 
     def _have_listen(self, listener: logging.Handler | None, *, has_console: bool) -> None:
