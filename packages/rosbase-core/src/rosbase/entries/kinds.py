@@ -6,7 +6,16 @@ entry began; every entry has it first.
 
 from enum import IntEnum
 
-__all__ = ["HAS_PAYLOAD", "INTS", "IS_NOTE", "SECTION_OPS", "Kind", "Numbered", "TimerOp"]
+__all__ = [
+    "HAS_PAYLOAD",
+    "INTS",
+    "IS_NOTE",
+    "NUMBERED",
+    "SECTION_OPS",
+    "Kind",
+    "Numbered",
+    "TimerOp",
+]
 
 
 class Kind(IntEnum):
@@ -59,9 +68,10 @@ class Kind(IntEnum):
     REQUEST = 29
     """A request for a service came from outside: t, service."""
     ANSWER = 30
-    """The answer to a call of a service came from outside: t, call, whether it is an answer.
+    """The answer to a call of a service came from outside: t, client, whether it is an answer.
 
-    If it is not, the payload is the error, as JSON.
+    The payload begins with the number of the call among those of the client, in 8 bytes, little
+    endian. The answer follows, or the error as JSON.
     """
     CONTROL = 31
     """A request of the control socket: t, session."""
@@ -147,8 +157,7 @@ class Numbered(IntEnum):
     SUBSCRIPTION = 3
     SERVICE = 4
     CLIENT = 5
-    CALL = 6
-    TRANSPORT = 7
+    TRANSPORT = 6
 
 
 class TimerOp(IntEnum):
@@ -157,3 +166,16 @@ class TimerOp(IntEnum):
     RESET = 1
     CANCEL = 2
     DESTROY = 3
+
+
+NUMBERED: dict[int, Numbered] = {
+    Kind.TIMER: Numbered.TIMER,
+    Kind.TIMER_OP: Numbered.TIMER,
+    Kind.SECTION: Numbered.TRANSPORT,
+    Kind.FRAME: Numbered.TRANSPORT,
+    Kind.PUBLISH: Numbered.PUBLISHER,
+    Kind.ARRIVE: Numbered.SUBSCRIPTION,
+    Kind.REQUEST: Numbered.SERVICE,
+    Kind.ANSWER: Numbered.CLIENT,
+}
+"""What the first number after the time stands for, of the kinds that have such a number."""
