@@ -23,7 +23,7 @@ from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 
 if TYPE_CHECKING:
-    from rosbase.contracts.graph import Graph
+    from rosbase.contracts.graph import Graph, TopicEnd
     from rosbase.contracts.service_server import ServiceServer
     from rosbase.local.guard import Guard
     from rosbase.local.service_client import LocalClient
@@ -76,6 +76,7 @@ class LocalBackend(Backend):
         make = make_publisher if self._guard is None else self._guard.make_publisher
         publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic), make)
         self._publishers.append(publisher)
+        self.new_ends.tell(lambda: self._topic_end(publisher, msg_type))
         return publisher
 
     def create_subscription(
@@ -91,6 +92,7 @@ class LocalBackend(Backend):
         subscription = make(name, callback, profile, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
         self._subscriptions.append(subscription)
+        self.new_ends.tell(lambda: self._topic_end(subscription, msg_type))
         return subscription
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
@@ -269,6 +271,13 @@ class LocalBackend(Backend):
         from rosbase.local.guard import Guard
 
         return Guard(conductor, self.message_format)
+
+    def _topic_end(self, end: LocalPublisher | LocalSubscription, msg_type: type) -> "TopicEnd":
+        # A node that has it is known only later; listeners look for topics.
+        from rosbase.contracts.graph import TopicEnd, type_name_of
+
+        name = f"/{self.node_name}"
+        return TopicEnd(name, end.topic, type_name_of(msg_type), msg_type, end.profile)
 
     def _remove_tap(self, tap: Tap) -> None:
         self._taps.pop(tap, None)
