@@ -78,7 +78,7 @@ class Kind(IntEnum):
     PARAM = 32
     """A request of the middleware to set parameters: t."""
     CHANGE_STATE = 33
-    """A request for a transition from outside: t."""
+    """Another thread has asked for a transition: t, lifecycle node."""
     POSTED = 34
     """A thread of the user has called `call_soon`: t, thread, how often it did before."""
     LOG = 35
@@ -113,7 +113,7 @@ INTS: dict[int, int] = {
     Kind.ANSWER: 3,
     Kind.CONTROL: 2,
     Kind.PARAM: 1,
-    Kind.CHANGE_STATE: 1,
+    Kind.CHANGE_STATE: 2,
     Kind.POSTED: 3,
     Kind.LOG: 1,
     Kind.STOP: 1,
@@ -157,7 +157,8 @@ class Numbered(IntEnum):
     SUBSCRIPTION = 3
     SERVICE = 4
     CLIENT = 5
-    TRANSPORT = 6
+    LIFECYCLE = 6
+    TRANSPORT = 7
 
 
 class TimerOp(IntEnum):
@@ -177,5 +178,6 @@ NUMBERED: dict[int, Numbered] = {
     Kind.ARRIVE: Numbered.SUBSCRIPTION,
     Kind.REQUEST: Numbered.SERVICE,
     Kind.ANSWER: Numbered.CLIENT,
+    Kind.CHANGE_STATE: Numbered.LIFECYCLE,
 }
 """What the first number after the time stands for, of the kinds that have such a number."""
