@@ -6,7 +6,7 @@ Then it comes from the clock of the program, so that a replay says the same line
 import logging
 from collections.abc import Callable
 
-__all__ = ["date_by", "set_date"]
+__all__ = ["date_at", "date_by", "set_date"]
 
 _NS_PER_S, _NS_PER_MS = 1_000_000_000, 1_000_000
 
@@ -25,6 +25,10 @@ def set_date(record: logging.LogRecord) -> None:
     """Date a record by the function, if there is one."""
     # Another thread may end it meanwhile, so nothing is looked up twice.
     for now_ns in _dates:
-        date_ns = now_ns()
-        record.created = date_ns / _NS_PER_S
-        record.msecs = date_ns % _NS_PER_S // _NS_PER_MS + 0.0
+        date_at(record, now_ns())
+
+
+def date_at(record: logging.LogRecord, date_ns: int) -> None:
+    """Give a record a date, in nanoseconds since 1970."""
+    record.created = date_ns / _NS_PER_S
+    record.msecs = date_ns % _NS_PER_S // _NS_PER_MS + 0.0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.console import current_console
-from rosbase.logger.dates import set_date
+from rosbase.logger.dates import date_at, set_date
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
@@ -247,6 +247,16 @@ class RosbaseLogger:
             logger.disabled = False
         record = self._record_of(level, log_line(message), calling_frame(), {})
         self._emit(record, is_applications=is_applications)
+        self._hand_on(record)
+
+    def _say_again(self, date_ns: int, level: int, text: str, place: tuple[str, int, str]) -> None:
+        """Log what a recording has, with its date: a line, perhaps with lines below it."""
+        (line, _, below), (file, number, function) = text.partition("\n"), place
+        logger = self._logger
+        record = logger.makeRecord(logger.name, level, file, number, line, (), None, function)
+        record.exc_text = below or None
+        date_at(record, date_ns)
+        self._emit(record, is_applications=survey(logger)[0])
         self._hand_on(record)
 
     def _passes(self, level: int, options: LogOptions, frame: FrameType) -> bool:
