@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Conductor", "Play", "conductor_of"]
 
 T = TypeVar("T")
-Play: TypeAlias = "Callable[[Entry], object]"
+Play: TypeAlias = Callable[["Entry"], object]
 """What a replay does with an entry that came from outside."""
 
 
