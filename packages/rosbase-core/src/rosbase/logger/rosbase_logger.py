@@ -176,6 +176,17 @@ class RosbaseLogger:
         child._file = self._file
         return child
 
+    def twin(self, clock: Clock) -> "RosbaseLogger":
+        """Return a logger of the same name and destinations, with throttles of its own.
+
+        Args:
+            clock: Clock for throttling.
+        """
+        twin = copy.copy(self)
+        twin._clock, twin._lock = clock, threading.Lock()
+        twin._filters, twin._said, twin._next_ns = Filters(), {}, {}
+        return twin
+
     def set_level(self, level: str | int) -> None:
         """Set the minimum level that is logged; 0 resets it.
 
