@@ -14,7 +14,7 @@ May implement, if the backend reaches beyond this process: `delivers_in_process`
 May set, before the constructor returns: `node_name`, `clock`.
 
 Never override, because the constructor sets them: `executor`, `call_soon`, `spin_once`,
-`spin_until`, `is_in_virtual_time`, `new_ends`, `connections`.
+`spin_until`, `is_in_virtual_time`, `new_ends`, `connections`, `conductor`.
 
 `rosbase.testing.backend_contract` checks all of this. Optional abilities of a backend are declared
 there, not guessed.
@@ -73,6 +73,7 @@ from rosbase.contracts.names import check_node_name
 from rosbase.contracts.new_ends import NewEnds
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.node_view import NodeView
+from rosbase.entries.conductor import conductor_of
 from rosbase.errors import BackendError
 from rosbase.parameters import ParameterValue
 from rosbase.runtime.executor import Executor, ExecutorTimer
@@ -128,7 +129,10 @@ class Backend(NodeConnection):
         """Its own, and those that were opened for nodes; the roles add them."""
         self.new_ends = NewEnds()
         """Tells of each new publisher and subscription. The backend calls `tell`."""
-        self.executor = Executor(clock)
+        self.conductor = conductor_of(clock)
+        """Records or replays the program; None for most programs."""
+        conductor = self.conductor
+        self.executor = conductor.make_executor() if conductor else Executor(clock)
         """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
         """Ask the spinning thread to call a function. Call it from any thread or signal handler."""
@@ -140,7 +144,8 @@ class Backend(NodeConnection):
         """
         self.spin_until = self.executor.spin_until
         """Handle callbacks as they come, until a deadline on the monotonic clock."""
-        self.is_in_virtual_time = not isinstance(clock, SystemClock)
+        machine = getattr(clock, "machine", clock)
+        self.is_in_virtual_time = not isinstance(machine, SystemClock)
         """Whether deadlines follow a test's clock instead of this machine's."""
 
     @abstractmethod

@@ -1,13 +1,17 @@
 """Requests that change something: carried out between the ticks of the main loop."""
 
 from collections.abc import Callable
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from rosbase.control.programs import Program
 from rosbase.control.requests import Later, Request
 from rosbase.errors import ControlError
 
-__all__ = ["on_loop"]
+if TYPE_CHECKING:
+    from rosbase.entries.conductor import Conductor
+
+__all__ = ["Untaken", "on_loop"]
 
 
 def on_loop(request: Request, program: Program, function: Callable[[], dict[str, Any]]) -> Later:
@@ -30,8 +34,28 @@ def on_loop(request: Request, program: Program, function: Callable[[], dict[str,
         raise ControlError(f"{program.name} is stopping", "refused")
     call = _Call(request, program, function)
     later = request.wait(call.give_up)
-    backend.executor.call_as_guest(call.run)
+    backend.executor.call_from_outside(partial(call.run, backend.conductor), request.describe)
     return later
+
+
+class Untaken:
+    """Work that the main loop takes, unless its time is up before that."""
+
+    def __init__(self) -> None:
+        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
+        self._entry = [True]
+
+    def take(self) -> bool:
+        """Return whether the caller is the first."""
+        try:
+            self._entry.pop()
+        except IndexError:
+            return False
+        return True
+
+    def take_on_loop(self, conductor: "Conductor | None") -> bool:
+        """Return whether the main loop is the first; in a replay, whether it was."""
+        return self.take() if conductor is None else bool(conductor.fact(self.take))
 
 
 class _Call:
@@ -43,12 +67,11 @@ class _Call:
         self._request = request
         self._program = program
         self._function = function
-        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
-        self._untaken = [True]
+        self._untaken = Untaken()
 
-    def run(self) -> None:
+    def run(self, conductor: "Conductor | None") -> None:
         """Make the call. Called by the main loop."""
-        if not self._take():
+        if not self._untaken.take_on_loop(conductor):
             return
         try:
             answer = self._function()
@@ -66,13 +89,6 @@ class _Call:
     def give_up(self) -> str:
         """Say why there is no result; the call is not made any more, unless it has begun."""
         name = self._program.name
-        if self._take():
+        if self._untaken.take():
             return f"the main loop of {name} is busy: nothing was changed"
         return f"the main loop of {name} has begun with it, and is not done"
-
-    def _take(self) -> bool:
-        try:
-            self._untaken.pop()
-        except IndexError:
-            return False
-        return True

@@ -9,18 +9,20 @@ free, and no thread waits for that.
 """
 
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
 
-from rosbase.clock import Clock
-from rosbase.entries.kinds import Kind, Numbered
-from rosbase.entries.payloads import Json, Payload
-from rosbase.entries.script import Entry
-from rosbase.runtime.executor import Executor
+# Every program imports this module, and most are neither recorded nor replayed.
+if TYPE_CHECKING:
+    from rosbase.clock import Clock
+    from rosbase.entries.kinds import Kind, Numbered
+    from rosbase.entries.payloads import Json, Payload
+    from rosbase.entries.script import Entry
+    from rosbase.runtime.executor import Executor
 
 __all__ = ["Conductor", "Play", "conductor_of"]
 
 T = TypeVar("T")
-Play = Callable[[Entry], object]
+Play: TypeAlias = Callable[["Entry"], object]
 """What a replay does with an entry that came from outside."""
 
 
@@ -33,7 +35,7 @@ class Conductor(Protocol):
         ...
 
     @property
-    def clock(self) -> Clock:
+    def clock(self) -> "Clock":
         """The clock of the program, whose `conductor` is this."""
         ...
 
@@ -42,11 +44,23 @@ class Conductor(Protocol):
         """Whether the calling thread runs the program now."""
         ...
 
-    def make_executor(self) -> Executor:
+    def make_executor(self) -> "Executor":
         """Return the executor of the program; called once."""
         ...
 
-    def number(self, what: Numbered, text: str, play: Play) -> int:
+    def begin(self, backend: Any) -> None:
+        """Note that the backend of the program is open, before the first component is built."""
+        ...
+
+    def end(self, error: BaseException | None) -> None:
+        """Note that the program has ended, after its clean-up.
+
+        Args:
+            error: What has ended it; None for a stop.
+        """
+        ...
+
+    def number(self, what: "Numbered", text: str, play: Play) -> int:
         """Return the number of something that the program creates, counted for each kind.
 
         A thread outside gets -1, and what it creates is not replayed: that spoils the recording.
@@ -58,12 +72,12 @@ class Conductor(Protocol):
         """
         ...
 
-    def register(self, kind: Kind, play: Play) -> None:
+    def register(self, kind: "Kind", play: Play) -> None:
         """Say what a replay does with entries of a kind whose objects have no number."""
         ...
 
     def come_in(
-        self, kind: Kind, numbers: tuple[int, ...], payload: Payload, run: Callable[[], object]
+        self, kind: "Kind", numbers: tuple[int, ...], payload: "Payload", run: Callable[[], object]
     ) -> None:
         """Let something from outside come into the program, as an entry. Never waits.
 
@@ -80,7 +94,7 @@ class Conductor(Protocol):
         ...
 
     def enter(
-        self, kind: Kind, numbers: tuple[int, ...], payload: Payload, run: Callable[[], T]
+        self, kind: "Kind", numbers: tuple[int, ...], payload: "Payload", run: Callable[[], T]
     ) -> T:
         """Run something from outside as an entry, and return its result.
 
@@ -88,14 +102,14 @@ class Conductor(Protocol):
         """
         ...
 
-    def fact(self, read: Callable[[], Json]) -> Json:
+    def fact(self, read: "Callable[[], Json]") -> "Json":
         """Return what the program asks about something outside. In a replay, `read` is not called.
 
         Outside, it only reads.
         """
         ...
 
-    def section(self, transport: int, op: str, call: Callable[[], Json]) -> Json:
+    def section(self, transport: int, op: str, call: "Callable[[], Json]") -> "Json":
         """Call a transport with the turn free, so that its threads can end, and note the result.
 
         Args:

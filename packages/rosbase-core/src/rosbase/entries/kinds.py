@@ -6,7 +6,16 @@ entry began; every entry has it first.
 
 from enum import IntEnum
 
-__all__ = ["HAS_PAYLOAD", "INTS", "IS_NOTE", "SECTION_OPS", "Kind", "Numbered", "TimerOp"]
+__all__ = [
+    "HAS_PAYLOAD",
+    "INTS",
+    "IS_NOTE",
+    "NUMBERED",
+    "SECTION_OPS",
+    "Kind",
+    "Numbered",
+    "TimerOp",
+]
 
 
 class Kind(IntEnum):
@@ -59,16 +68,17 @@ class Kind(IntEnum):
     REQUEST = 29
     """A request for a service came from outside: t, service."""
     ANSWER = 30
-    """The answer to a call of a service came from outside: t, call, whether it is an answer.
+    """The answer to a call of a service came from outside: t, client, whether it is an answer.
 
-    If it is not, the payload is the error, as JSON.
+    The payload begins with the number of the call among those of the client, in 8 bytes, little
+    endian. The answer follows, or the error as JSON.
     """
     CONTROL = 31
     """A request of the control socket: t, session."""
     PARAM = 32
     """A request of the middleware to set parameters: t."""
     CHANGE_STATE = 33
-    """A request for a transition from outside: t."""
+    """Another thread has asked for a transition: t, lifecycle node."""
     POSTED = 34
     """A thread of the user has called `call_soon`: t, thread, how often it did before."""
     LOG = 35
@@ -103,7 +113,7 @@ INTS: dict[int, int] = {
     Kind.ANSWER: 3,
     Kind.CONTROL: 2,
     Kind.PARAM: 1,
-    Kind.CHANGE_STATE: 1,
+    Kind.CHANGE_STATE: 2,
     Kind.POSTED: 3,
     Kind.LOG: 1,
     Kind.STOP: 1,
@@ -147,8 +157,10 @@ class Numbered(IntEnum):
     SUBSCRIPTION = 3
     SERVICE = 4
     CLIENT = 5
-    CALL = 6
+    LIFECYCLE = 6
     TRANSPORT = 7
+    THREAD = 8
+    """A thread of the user that calls `call_soon`; noted at its first call."""
 
 
 class TimerOp(IntEnum):
@@ -157,3 +169,17 @@ class TimerOp(IntEnum):
     RESET = 1
     CANCEL = 2
     DESTROY = 3
+
+
+NUMBERED: dict[int, Numbered] = {
+    Kind.TIMER: Numbered.TIMER,
+    Kind.TIMER_OP: Numbered.TIMER,
+    Kind.SECTION: Numbered.TRANSPORT,
+    Kind.FRAME: Numbered.TRANSPORT,
+    Kind.PUBLISH: Numbered.PUBLISHER,
+    Kind.ARRIVE: Numbered.SUBSCRIPTION,
+    Kind.REQUEST: Numbered.SERVICE,
+    Kind.ANSWER: Numbered.CLIENT,
+    Kind.CHANGE_STATE: Numbered.LIFECYCLE,
+}
+"""What the first number after the time stands for, of the kinds that have such a number."""

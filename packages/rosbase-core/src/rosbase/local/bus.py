@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import count
-from typing import Any
+from typing import Any, TypeAlias
 
 from rosbase.contracts.tap import Tap
 from rosbase.errors import BackendError
@@ -24,7 +24,10 @@ from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile, ReliabilityPolicy, mismatch
 
-__all__ = ["Bus", "process_bus"]
+__all__ = ["Bus", "MakePublisher", "process_bus"]
+
+MakePublisher: TypeAlias = Callable[[str, type, QoSProfile], LocalPublisher]
+"""Makes a publisher of a topic, of a type, with a profile."""
 
 
 class _Topic:
@@ -78,15 +81,21 @@ class Bus:
         self._logger = RosbaseLogger("topics")
         self._lock = threading.Lock()
 
-    def add_publisher(self, name: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
-        """Add a publisher of the topic with that full name.
+    def add_publisher(
+        self,
+        name: str,
+        msg_type: type,
+        profile: QoSProfile,
+        make: MakePublisher = make_publisher,
+    ) -> LocalPublisher:
+        """Add a publisher of the topic with that full name, which `make` makes.
 
         Raises:
             BackendError: The topic has another type.
         """
         with self._lock:
             topic = self._enter(name, msg_type)
-            publisher = make_publisher(name, msg_type, profile)
+            publisher = make(name, msg_type, profile)
             topic.publishers.append(publisher)
             is_fed = name in self._feeds
             if name in self._taps and not is_fed:

@@ -15,6 +15,7 @@ from rosbase.control.answers.ends import (
     program_for,
     type_class,
 )
+from rosbase.control.on_loop import Untaken
 from rosbase.control.programs import Program
 from rosbase.control.requests import DEFAULT_TIMEOUT_NS, Answerer, Later, Request
 from rosbase.control.session import Session
@@ -79,9 +80,9 @@ def _call(_: Session, request: Request) -> Later:
         raise ControlError(f"{program.name} is stopping", "refused")
     call = _ServiceCall(request, backend, full_name, kind, responses.encode)
     timeout_ns = request.whole("timeout_ns", DEFAULT_TIMEOUT_NS, 1)
-    request.arguments["timeout_ns"] = timeout_ns + _GRACE_NS
-    later = request.wait(partial(call.give_up, program))
-    backend.executor.call_as_guest(partial(call.begin, question, timeout_ns))
+    later = request.wait(partial(call.give_up, program), grace_ns=_GRACE_NS)
+    begin = partial(call.begin, question, timeout_ns)
+    backend.executor.call_from_outside(begin, request.describe)
     return later
 
 
@@ -112,12 +113,11 @@ class _ServiceCall:
         self._kind = kind
         self._encode = encode
         self._begin_ns = 0
-        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
-        self._untaken = [True]
+        self._untaken = Untaken()
 
     def begin(self, question: Any, timeout_ns: int) -> None:
         """Send the request. Called by the main loop."""
-        if not self._take():
+        if not self._untaken.take_on_loop(self._backend.conductor):
             return
         self._begin_ns = _CLOCK.monotonic_ns()
         try:
@@ -134,7 +134,7 @@ class _ServiceCall:
 
     def give_up(self, program: Program) -> str:
         """Say why there is no answer."""
-        if self._take():
+        if self._untaken.take():
             return f"the main loop of {program.name} is busy: {self._name} was not called"
         return f"{self._name} has not answered, and the main loop of {program.name} is busy"
 
@@ -150,13 +150,6 @@ class _ServiceCall:
         else:
             took_ns = _CLOCK.monotonic_ns() - self._begin_ns
             self._request.answer({"took_ns": took_ns}, data)
-
-    def _take(self) -> bool:
-        try:
-            self._untaken.pop()
-        except IndexError:
-            return False
-        return True
 
 
 ANSWERS: dict[str, Answerer] = {
