@@ -5,13 +5,13 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, TypeAlias
 
 from attrs import evolve
-from rosbase.entries.current import conduct_next
-from rosbase.entries.replaying.pace import Pace
-from rosbase.entries.replaying.player import Player
 
 from rosbase import Clock, make_logger
 from rosbase.entries.conductor import Conductor
+from rosbase.entries.current import conduct_next
 from rosbase.entries.kinds import Kind
+from rosbase.entries.replaying.pace import Pace
+from rosbase.entries.replaying.player import Player
 from rosbase.entries.script import Entry, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase_mcap.bags import Bag, is_mcap, open_bag

@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from rosbase.entries.replaying.inputs import Input
-
 from rosbase import Backend, BackendError, ConfigurationError, RosbaseLogger, TopicEnd, WireError
 from rosbase.contracts.graph import type_name_of
+from rosbase.entries.replaying.inputs import Input
 from rosbase_mcap.bags import Bag, BagMessage
 
 __all__ = ["TopicFeed"]
