@@ -33,13 +33,17 @@ def run_replayed_loop(
     assert isinstance(executor, ReplayedExecutor)
     player = executor.player
     loop = _Loop(player, tick, stats)
-    while (entry := executor.follow_to_loop(stopping)) is not None:
-        if entry.kind == Kind.TICK:
+    # The recorded loop asked at these places whether to stop.
+    while not stopping():
+        entry = executor.follow_to_loop()
+        while entry is not None and entry.kind == Kind.TICK:
             loop.run_tick(entry, len(executor.ready))
-        elif player.take() is not None:
+            entry = executor.follow_to_loop()
+        if entry is None:
+            _run_freely(executor, frequency_hz, loop, stopping, look_after)
+            return
+        if entry.kind == Kind.LOOK and player.take() is not None:
             look_after()
-    if not stopping():
-        _run_freely(executor, frequency_hz, loop, stopping, look_after)
 
 
 class _Loop:

@@ -92,6 +92,7 @@ class Player:
         self._created: deque[tuple[int, str]] = deque()
         self._ticks = 0
         self._executor: ReplayedExecutor | None = None
+        self._is_ended = False
         if inputs is None:
             self.next = next(self._script, None)
             self.take()
@@ -116,7 +117,10 @@ class Player:
             self._sink.begin(backend, self, self.trace, self.facts)
 
     def end(self, error: BaseException | None) -> None:
-        """End the replay, and let threads of the user go on."""
+        """End the replay, and let threads of the user go on. Idempotent."""
+        if self._is_ended:
+            return
+        self._is_ended = True
         if not self.is_free and (self.next is None or self.next.kind != Kind.END):
             self.differ("the program ends")
         elif not self.is_free:
