@@ -62,7 +62,6 @@ class _Loop:
             return
         if player.take() is None:
             return
-        self.stats.overruns = entry.ints[1]
         self.begin(player.machine.monotonic_ns())
         try:
             self._tick()
@@ -73,8 +72,8 @@ class _Loop:
         if not player.is_free:
             if player.next is None or player.next.kind != Kind.TICK_END:
                 player.differ("the tick ends")
-            else:
-                player.take()
+            elif (end := player.take()) is not None:
+                self.stats.overruns = end.ints[1]
         self.stats.notes.append(player.machine.monotonic_ns())
 
     def begin(self, now_ns: int) -> None:
