@@ -1,6 +1,6 @@
 """Messages into files, one after another. One thread uses it."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from rosbase_mcap.backlog import Item
@@ -20,20 +20,12 @@ _SLACK_BYTES = 8_192
 
 
 def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
-    """Write messages, with the channels that are new to the file, and entries."""
+    """Write messages, with the channels that are new to the file."""
     known = writer.summary.channels
-    entries: list[bytes] = []
-    last_ns = 0
     for item in items:
-        if item[0] == ENTRIES_CHANNEL:
-            entries.append(item[4])
-            last_ns = item[2]
-            continue
         if item[0] not in known:
             writer.declare(table.channel(item[0]), table.schema(item[0]))
         writer.add(*item)
-    if entries:
-        writer.attach(attachment(entries, last_ns))
 
 
 class FileSink:
@@ -67,6 +59,9 @@ class FileSink:
         self._split = split or Split()
         self._compression = compression
         self._part = 0
+        # Of the time since the last flush, with the date of the last one.
+        self._entries: list[bytes] = []
+        self._entries_ns = 0
         self._synced = 0
         self._begin()
 
@@ -77,12 +72,15 @@ class FileSink:
 
     def add(self, items: Iterable[Item]) -> None:
         """Take messages, in their order."""
-        write_items(self._writer, self._table, items)
+        write_items(self._writer, self._table, self._without_entries(items))
 
     def flush(self) -> None:
         """Put everything on the disk; begin another file if this one is full."""
         written = self._writer.size_bytes
         self._writer.end_chunk()
+        if self._entries:
+            self._writer.attach(attachment(self._entries, self._entries_ns))
+            self._entries = []
         if self._writer.size_bytes == written == self._synced:
             return
         self._output.sync()
@@ -117,6 +115,14 @@ class FileSink:
             if not _quietly(self._write_end):
                 _quietly(self._cut)
         _quietly(self._output.close)
+
+    def _without_entries(self, items: Iterable[Item]) -> Iterator[Item]:
+        for item in items:
+            if item[0] == ENTRIES_CHANNEL:
+                self._entries.append(item[4])
+                self._entries_ns = item[2]
+            else:
+                yield item
 
     def _cut(self) -> None:
         self._output.cut(self._writer.size_bytes)
