@@ -45,10 +45,10 @@ class RecordedExecutor(Executor):
         "_asides",
         "_machine_wait",
         "_poster",
-        "_recorder",
         "_signal_thread",
         "_threads",
         "_turn",
+        "recorder",
     )
 
     def __init__(self, clock: RecordedClock, recorder: "Recorder") -> None:
