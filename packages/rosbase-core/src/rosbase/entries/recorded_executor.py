@@ -231,9 +231,16 @@ class RecordedExecutor(Executor):
         poster = self._poster
         if poster.number < 0:
             poster.number = next(self._threads)
+            name = threading.current_thread().name.encode("utf-8", "replace")
+            queue = partial(self._queue_first, poster.number, name, queue)
         numbers = (poster.number, poster.posted)
         poster.posted += 1
         self.recorder.come_in(Kind.POSTED, numbers, b"", queue)
+
+    def _queue_first(self, number: int, name: bytes, queue: Callable[[], object]) -> None:
+        """Queue the first call of a thread, and note the name by which a replay knows it."""
+        self._recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=name)
+        queue()
 
     def _operate(self, timer: ExecutorTimer, op: TimerOp, operate: Callable[[], object]) -> None:
         number = getattr(timer, "number", -1)

@@ -63,13 +63,8 @@ class TransitionEntrance:
     def _enter(self, asked: Json, run: Callable[[], CallbackReturn]) -> CallbackReturn:
         return self._conductor.enter(Kind.CHANGE_STATE, (self._number,), to_json(asked), run)
 
-    def _replay(self, entry: Entry) -> None:
+    def _replay(self, entry: Entry) -> CallbackReturn:
         asked: Any = from_json(entry.payload)
-        try:
-            if "error" in asked:
-                self._transitions.raise_error(error_from_json(asked["error"]))
-            else:
-                self._transitions.request(asked["id"], asked["label"])
-        except Exception:
-            # The thread that asked has had it, and is not replayed.
-            pass
+        if "error" in asked:
+            return self._transitions.raise_error(error_from_json(asked["error"]))
+        return self._transitions.request(asked["id"], asked["label"])
