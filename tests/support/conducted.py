@@ -6,6 +6,7 @@ from typing import Any
 
 from attrs import frozen
 
+from rosbase.clock import Clock
 from rosbase.contracts.backend import BackendOptions
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind
@@ -19,6 +20,7 @@ from rosbase.testing import ManualClock
 __all__ = ["ConductedProgram", "Recorded", "record", "replay"]
 
 _NS_PER_S = 1_000_000_000
+_LONG_S = 30.0
 
 
 class ConductedProgram:
@@ -31,7 +33,7 @@ class ConductedProgram:
         self.backend = LocalBackend(options, self.bus)
         self.seen: list[Any] = []
         self._stops: list[bool] = []
-        conductor.register(Kind.STOP, lambda _: self._stops.append(True))
+        conductor.register(Kind.STOP, lambda _: self._stop())
         self.backend.executor.begin(lambda: self._stops)
 
     def see(self, *values: Any) -> None:
@@ -42,6 +44,33 @@ class ConductedProgram:
         """Handle callbacks for some time of the program's clock."""
         deadline_ns = self.backend.clock.monotonic_ns() + int(seconds * _NS_PER_S)
         self.backend.spin_until(deadline_ns, lambda: self._stops)
+
+    def spin_while(self, function: Callable[[], object]) -> None:
+        """Handle callbacks while another thread calls a function; a replay has what comes of it."""
+        failures: list[BaseException] = []
+
+        def call() -> None:
+            try:
+                function()
+            except BaseException as error:
+                failures.append(error)
+            self.backend.executor.stop_soon(self._stop)
+
+        thread = threading.Thread(target=call, name="outside")
+        if not self.conductor.is_replay:
+            thread.start()
+        self.spin(_LONG_S)
+        self._stops.clear()
+        # Also what the function leaves behind.
+        self.spin()
+        if not self.conductor.is_replay:
+            thread.join()
+        if failures:
+            raise failures[0]
+
+    def _stop(self) -> None:
+        self._stops.append(True)
+        self.backend.call_soon(list)
 
     def outside(self, function: Callable[[], object]) -> None:
         """Call a function on another thread, and wait for its end within the entry that runs."""
@@ -61,6 +90,7 @@ class Recorded:
 
     seen: list[Any]
     entries: list[Entry]
+    facts: RunFacts
     spoiled: list[str]
 
     @property
@@ -70,18 +100,18 @@ class Recorded:
 
 
 Run = Callable[[ConductedProgram], object]
-_FACTS = RunFacts(ManualClock().now_ns(), 0)
 
 
-def record(run: Run) -> Recorded:
-    """Run a program, and record it."""
-    recorder = Recorder(ManualClock())
+def record(run: Run, clock: Clock | None = None) -> Recorded:
+    """Run a program, and record it; in virtual time, unless there is another clock."""
+    recorder = Recorder(clock or ManualClock())
     program = ConductedProgram(recorder)
     run(program)
     program.backend.close()
     recorder.end(None)
     entries = list(read_entries([recorder.trace.take()]))
-    return Recorded(program.seen, entries, recorder.spoiled)
+    facts = RunFacts(recorder.clock.start_date_ns, recorder.clock.start_ns)
+    return Recorded(program.seen, entries, facts, recorder.spoiled)
 
 
 def replay(run: Run, recorded: Recorded) -> list[Any]:
@@ -90,7 +120,7 @@ def replay(run: Run, recorded: Recorded) -> list[Any]:
     Raises:
         AssertionError: It does not follow the recording.
     """
-    player = Player(recorded.entries, _FACTS)
+    player = Player(recorded.entries, recorded.facts)
     program = ConductedProgram(player)
     run(program)
     program.backend.close()
