@@ -1,7 +1,7 @@
 """The thread that writes, with disks that take everything, too little, or nothing."""
 
 import errno
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ from rosbase_mcap.file_sink import FACTS, FileSink
 from rosbase_mcap.output_file import OutputFile
 from rosbase_mcap.reading import contents, messages
 from rosbase_mcap.recorder import LOSSES, Recorder
-from rosbase_mcap.records import Metadata
+from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.recovery import is_complete
 from rosbase_mcap.splitting import Split
 from support.waiting import wait_until
@@ -27,6 +27,7 @@ class Listed:
     def __init__(self, *, is_full: bool = False) -> None:
         self.items: list[Item] = []
         self.notes: list[Metadata] = []
+        self.attached: list[Attachment] = []
         self.ends: list[str] = []
         self.is_full = is_full
 
@@ -34,6 +35,12 @@ class Listed:
         if self.is_full and (items := list(items)):
             raise OSError(errno.ENOSPC, "No space left on device")
         self.items += items
+
+    def head(self, make: Callable[[int], Metadata]) -> None:
+        self.notes.append(make(0))
+
+    def attach(self, attachment: Attachment) -> None:
+        self.attached.append(attachment)
 
     def flush(self) -> None:
         pass

@@ -8,7 +8,7 @@ from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.reading import Selection, contents
 from rosbase_mcap.records import Attachment, Channel, Metadata, Schema
 
-__all__ = ["cut"]
+__all__ = ["cut", "is_latched"]
 
 _TRANSIENT_LOCAL = "durability: 1"
 _TRANSIENT_LOCAL_WORD = "durability: transient_local"
@@ -47,7 +47,7 @@ def cut(
             channel = channels.get(content.channel_id)
             if channel is None:
                 continue
-            wanted = early if _is_latched(channel) else selection
+            wanted = early if is_latched(channel) else selection
             if wanted.has(channel, content.log_ns):
                 writer.declare(channel, schemas.get(channel.schema_id))
                 times = content.log_ns, content.publish_ns
@@ -56,7 +56,8 @@ def cut(
     return writer.summary.messages
 
 
-def _is_latched(channel: Channel) -> bool:
+def is_latched(channel: Channel) -> bool:
+    """Return whether publishers of a channel kept messages for those who came later."""
     profiles = channel.metadata.get("offered_qos_profiles", "")
     named = _TRANSIENT_LOCAL in profiles or _TRANSIENT_LOCAL_WORD in profiles
     return named or LATCHED in channel.metadata

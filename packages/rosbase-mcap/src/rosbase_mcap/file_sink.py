@@ -5,10 +5,9 @@ from pathlib import Path
 
 from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
-from rosbase_mcap.entries import ENTRIES_CHANNEL, attachment
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
-from rosbase_mcap.records import Metadata
+from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.splitting import Split, part_path
 
 __all__ = ["FACTS", "FileSink", "write_items"]
@@ -20,20 +19,12 @@ _SLACK_BYTES = 8_192
 
 
 def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
-    """Write messages, with the channels that are new to the file, and entries."""
+    """Write messages, with the channels that are new to the file."""
     known = writer.summary.channels
-    entries: list[bytes] = []
-    last_ns = 0
     for item in items:
-        if item[0] == ENTRIES_CHANNEL:
-            entries.append(item[4])
-            last_ns = item[2]
-            continue
         if item[0] not in known:
             writer.declare(table.channel(item[0]), table.schema(item[0]))
         writer.add(*item)
-    if entries:
-        writer.attach(attachment(entries, last_ns))
 
 
 class FileSink:
@@ -67,6 +58,7 @@ class FileSink:
         self._split = split or Split()
         self._compression = compression
         self._part = 0
+        self._head: Callable[[int], Metadata] | None = None
         self._synced = 0
         self._begin()
 
@@ -75,9 +67,23 @@ class FileSink:
         """The file that is written now."""
         return self._output.path
 
+    def head(self, make: Callable[[int], Metadata]) -> None:
+        """Write metadata at the start of each file; call it before the first message.
+
+        Args:
+            make: Returns the metadata for the file of that number, from 0 up.
+        """
+        self._head = make
+        self._writer.note(make(self._part))
+
     def add(self, items: Iterable[Item]) -> None:
         """Take messages, in their order."""
         write_items(self._writer, self._table, items)
+
+    def attach(self, attachment: Attachment) -> None:
+        """Write an attachment behind all messages that were taken."""
+        self._writer.end_chunk()
+        self._writer.attach(attachment)
 
     def flush(self) -> None:
         """Put everything on the disk; begin another file if this one is full."""
@@ -132,6 +138,8 @@ class FileSink:
         self._writer = FileWriter(self._output.write, compression=self._compression)
         self._synced = 0
         self._writer.note(Metadata(FACTS, {**self._facts, "part": str(self._part)}))
+        if self._head is not None:
+            self._writer.note(self._head(self._part))
 
 
 def _quietly(function: Callable[[], object]) -> bool:

@@ -5,7 +5,7 @@ import logging
 from rosbase.contracts.message_format import message_format
 from rosbase.messages import Time
 from rosbase.messages.rcl_interfaces import Log
-from rosbase_mcap.recorder import Recorder
+from rosbase_mcap.channel_table import Channels
 
 __all__ = ["LOG_TOPIC", "LogChannel"]
 
@@ -16,10 +16,10 @@ _MOST_LEVEL = 50
 class LogChannel:
     """Records the log. Any thread calls it."""
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, channels: Channels) -> None:
         form = message_format(Log)
         self._encode = form.encode
-        self._record = recorder.channel(LOG_TOPIC, form.type_name, form.schema, {})
+        self._record = channels.channel(LOG_TOPIC, form.type_name, form.schema, {})
 
     def take(self, record: logging.LogRecord) -> None:
         """Record what a logger of Python says."""

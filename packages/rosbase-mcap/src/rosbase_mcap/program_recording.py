@@ -8,12 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rosbase import Backend, RecordingError, RecordOptions, RosbaseLogger
+from rosbase.entries.sink import RecordingSink
 from rosbase.logger.observer import add_observer, remove_observer
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.compression import compressed
-from rosbase_mcap.entries import Entry
 from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.log_channel import LOG_TOPIC, LogChannel
+from rosbase_mcap.recorded_run import RecordedRun
 from rosbase_mcap.recorder import Recorder
 from rosbase_mcap.ring import Ring
 from rosbase_mcap.splitting import Split, free_part
@@ -52,26 +53,30 @@ class ProgramRecording:
                 compression=options.compression,
             )
         self._recorder: Recorder | None = None
+        self._run = RecordedRun(options.topics)
         self._is_closed = False
         # `save` may be called by an error and by a user at the same time.
         self._saving = threading.Lock()
+
+    @property
+    def entries(self) -> RecordingSink | None:
+        """Takes the entries of the program; None if only the last seconds are kept."""
+        return None if self._ring is not None else self._run
 
     def begin(self, backend: Backend, logger: RosbaseLogger) -> None:
         """Begin to record."""
         self._logger = logger
         # The taps need the recorder, and come after it.
-        self._recorder = Recorder(self._sink, self._table, logger, before_flush=self._look_again)
+        run = self._run if self._run.is_followed else None
+        self._recorder = Recorder(
+            self._sink, self._table, logger, before_flush=self._look_again, run=run
+        )
         self._taps = TopicTaps(backend, self._recorder, logger, _is_wanted(self._options.topics))
         self._taps.begin()
         self._log = LogChannel(self._recorder)
         if _is_wanted(self._options.topics, log=True)(LOG_TOPIC):
             add_observer(self._log.take)
         self._recorder.start()
-
-    def enter(self, entry: Entry) -> None:
-        """Record an entry into the program. Any thread may call it, in the order of the numbers."""
-        if self._recorder is not None:
-            self._recorder.enter(entry)
 
     def save(self) -> Path | None:
         """Write the ring to a file that is new; return it. Without a ring, do nothing.

@@ -7,9 +7,9 @@ from typing import Protocol
 
 from rosbase import RosbaseLogger, background_thread
 from rosbase_mcap.backlog import Backlog, Item
-from rosbase_mcap.channel_table import ChannelTable
-from rosbase_mcap.entries import ENTRIES_CHANNEL, Entry
-from rosbase_mcap.records import Metadata
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
+from rosbase_mcap.recorded_run import RecordedRun
+from rosbase_mcap.records import Attachment, Metadata
 
 __all__ = ["LOSSES", "Recorder", "Sink"]
 
@@ -19,6 +19,7 @@ LOSSES = "rosbase_dropped"
 _FLUSH_S = 0.5
 _JOIN_S = 10.0
 _BACKLOG_BYTES = 64 << 20
+_MASK = 0xFFFFFFFF
 
 
 class Sink(Protocol):
@@ -26,6 +27,14 @@ class Sink(Protocol):
 
     def add(self, items: Iterable[Item]) -> None:
         """Take messages, in their order."""
+        ...
+
+    def head(self, make: Callable[[int], Metadata]) -> None:
+        """Write metadata at the start of each file, made for its number."""
+        ...
+
+    def attach(self, attachment: Attachment) -> None:
+        """Take an attachment, behind the messages that were taken."""
         ...
 
     def flush(self) -> None:
@@ -58,6 +67,7 @@ class Recorder:
         logger: RosbaseLogger,
         *,
         before_flush: Callable[[], object] = lambda: None,
+        run: RecordedRun | None = None,
         most_bytes: int = _BACKLOG_BYTES,
     ) -> None:
         """Prepare; `start` begins to write.
@@ -68,12 +78,14 @@ class Recorder:
             logger: Says what was lost.
             before_flush: Called on the thread that writes, twice a second, such as to look for
                 new topics. It must not raise.
+            run: The entries of the program, if they are recorded too.
             most_bytes: How much may wait for the disk.
         """
         self._sink, self._table, self._logger = sink, table, logger
         self._before_flush = before_flush
+        self._run = run
         self._backlog = Backlog(most_bytes)
-        self._thread = background_thread(self._run, "recorder")
+        self._thread = background_thread(self._work, "recorder")
         # Held from the moment that messages are taken until they are in the sink.
         self._writing = threading.Lock()
         self._is_stopping = False
@@ -96,37 +108,42 @@ class Recorder:
     ) -> Callable[[int, int, bytes], object]:
         """Return the function that records a message: `record(log_ns, publish_ns, data)`.
 
-        Any thread may call it; it never waits.
-
-        Args:
-            topic: Full name of the topic.
-            type_name: Type of its messages.
-            schema: Schema of the type, of the format `ros2msg`.
-            metadata: Of the channel; see `channel_table`.
+        See `Channels`. If entries are recorded, the messages of each are numbered with it, and
+        those that come from outside of the program have a channel of their own.
         """
         number = self._table.add(topic, type_name, schema, metadata)
         sequence = count().__next__
-        add = self._backlog.add
+        add, run = self._backlog.add, self._run
+        outside: int | None = None
 
         def record(log_ns: int, publish_ns: int, data: bytes) -> object:
+            nonlocal outside
             # MCAP has no dates before 1970.
             times = max(log_ns, 0), max(publish_ns, 0)
-            return add((number, sequence() & 0xFFFFFFFF, *times, data))
+            if run is None:
+                return add((number, sequence() & _MASK, *times, data))
+            entry = run.number
+            if entry >= 0:
+                return add((number, entry & _MASK, *times, data))
+            if outside is None:
+                own = {**metadata, ORIGIN: OUTSIDE}
+                outside = self._table.add(topic, type_name, schema, own)
+            return add((outside, sequence() & _MASK, *times, data))
 
         return record
-
-    def enter(self, entry: Entry) -> None:
-        """Record an entry into the program. Any thread may call it, in the order of the numbers."""
-        stamp_ns = entry.stamp_ns
-        self._backlog.add((ENTRIES_CHANNEL, 0, stamp_ns, stamp_ns, entry.packed()))
 
     def drain(self) -> None:
         """Bring to the sink now what waits. Call it from any thread."""
         with self._writing:
-            self._write(self._backlog.take())
+            # The trace first: all messages of its entries are there, except those of the last one,
+            # which may be running.
+            block = self._run.take() if self._run is not None else None
+            self._write(self._backlog.take(), block)
 
     def start(self) -> None:
         """Begin to write."""
+        if self._run is not None:
+            self._sink.head(self._run.head)
         self._thread.start()
 
     def stop(self) -> None:
@@ -144,7 +161,7 @@ class Recorder:
         if self._thread.is_alive():
             self._logger.error("the recording does not end: its disk does not answer")
 
-    def _run(self) -> None:
+    def _work(self) -> None:
         while True:
             self._backlog.wait(_FLUSH_S)
             # Before the messages are taken, so that the last ones are among them.
@@ -157,16 +174,21 @@ class Recorder:
                 self._end()
                 return
 
-    def _write(self, items: list[Item]) -> None:
+    def _write(self, items: list[Item], block: Attachment | None) -> None:
         if self._is_broken:
             self._unwritten += len(items)
             return
         try:
             self._sink.add(items)
+            if block is not None:
+                self._sink.attach(block)
             self._sink.flush()
         except OSError as error:
             self._break(error)
             self._unwritten += len(items)
+            return
+        if self._run is not None:
+            self._run.count(items, self._table)
 
     def _end(self) -> None:
         if self._is_broken:
@@ -174,6 +196,8 @@ class Recorder:
         try:
             if self.dropped:
                 self._sink.note(Metadata(LOSSES, {"messages": str(self.dropped)}))
+            if self._run is not None:
+                self._sink.note(self._run.end())
             self._sink.close()
         except OSError as error:
             self._break(error)

@@ -2,16 +2,15 @@
 
 import threading
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
-from rosbase_mcap.entries import ENTRIES_CHANNEL
 from rosbase_mcap.file_sink import FACTS, write_items
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
-from rosbase_mcap.records import Metadata
+from rosbase_mcap.records import Attachment, Metadata
 
 __all__ = ["Ring"]
 
@@ -59,13 +58,16 @@ class Ring:
         """Take messages, in their order, and forget those that are too old."""
         with self._lock:
             for item in items:
-                # Without the first ones, entries are of no use.
-                if item[0] == ENTRIES_CHANNEL:
-                    continue
                 self._items.append(item)
                 self._bytes += len(item[4]) + _OVERHEAD_BYTES
             if self._items:
                 self._forget(self._items[-1][2] - self._keep_ns)
+
+    def head(self, make: Callable[[int], Metadata]) -> None:
+        """Do nothing: a ring has no beginning, so no program can be replayed from it."""
+
+    def attach(self, attachment: Attachment) -> None:
+        """Do nothing, as above."""
 
     def flush(self) -> None:
         """Do nothing: nothing goes to a disk."""

@@ -5,10 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 from rosbase import Backend, BackendError, Graph, MessageFormat, RosbaseLogger, Tap, TopicEnd
-from rosbase_mcap.channel_table import LATCHED, QOS
+from rosbase_mcap.channel_table import LATCHED, QOS, Channels
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.qos_text import profiles_text
-from rosbase_mcap.recorder import Recorder
 
 __all__ = ["TopicTaps"]
 
@@ -25,7 +24,7 @@ class TopicTaps:
     def __init__(
         self,
         backend: Backend,
-        recorder: Recorder,
+        channels: Channels,
         logger: RosbaseLogger,
         is_wanted: Callable[[str], bool] = lambda topic: True,
     ) -> None:
@@ -33,12 +32,14 @@ class TopicTaps:
 
         Args:
             backend: Connection of the program.
-            recorder: Takes the messages.
+            channels: Takes the messages.
             logger: Says which topics cannot be recorded.
             is_wanted: Whether to record a topic of that full name.
         """
-        self._backend, self._recorder, self._logger = backend, recorder, logger
+        self._backend, self._channels, self._logger = backend, channels, logger
         self._is_wanted = is_wanted
+        # What a recorded program reads of its clock is recorded too: not what is read for it.
+        self._now_ns = getattr(backend.clock, "machine", backend.clock).now_ns
         self._taps: dict[str, Tap | None] = {}
         self._is_closed = False
         # A listener may log, and the log may be a new topic.
@@ -92,8 +93,8 @@ class TopicTaps:
     def _hear(self, topic: str, ends: list[TopicEnd]) -> Tap:
         form = self._format(ends[0])
         metadata = _metadata(form, ends)
-        record = self._recorder.channel(topic, form.type_name, form.schema, metadata)
-        hear = _hearing(form.encode, record, self._backend.clock.now_ns, self._refuse(topic))
+        record = self._channels.channel(topic, form.type_name, form.schema, metadata)
+        hear = _hearing(form.encode, record, self._now_ns, self._refuse(topic))
         early: list[int] | None = []
 
         def first(message: Any) -> None:

@@ -9,7 +9,7 @@ May implement, if the backend reaches beyond this process: `delivers_in_process`
 `log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`,
 `expose_lifecycle`, `prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`,
 `create_service`, `create_client`, `destroy_service`, `destroy_client`, `add_tap`,
-`kept_messages`, `graph`, `message_format`, `find_type`.
+`kept_messages`, `graph`, `message_format`, `find_type`, `take_over`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
@@ -64,6 +64,7 @@ Error messages are one line that names the topic, the parameter or the value.
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from attrs import field, frozen
 
@@ -73,6 +74,7 @@ from rosbase.contracts.new_ends import NewEnds
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.node_view import NodeView
 from rosbase.entries.conductor import conductor_of
+from rosbase.errors import BackendError
 from rosbase.parameters import ParameterValue
 from rosbase.runtime.executor import Executor, ExecutorTimer
 
@@ -189,6 +191,21 @@ class Backend(NodeConnection):
         starts again.
         """
         return self.clock.monotonic_ns()
+
+    def take_over(self, topic: str, *, depth: int = 0) -> Callable[[Any], None]:
+        """Publish a topic in place of the program, as a replay of recorded topics does.
+
+        From now on, publishers of the program reach nobody on it. The returned function delivers a
+        message to all subscriptions, whatever their profiles, and to taps.
+
+        Args:
+            topic: Its full name.
+            depth: Number of messages that are kept for subscriptions that come later.
+
+        Raises:
+            BackendError: This backend cannot, as by default.
+        """
+        raise BackendError(f"{topic}: messages cannot be replayed on this backend")
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open the connection of a node that the manager registers under that name.

@@ -12,6 +12,7 @@ from rosbase.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from rosbase.contracts.backend import Backend
+    from rosbase.entries.sink import RecordingSink
     from rosbase.logger import RosbaseLogger
 
 __all__ = ["RecordOptions", "Recording"]
@@ -68,6 +69,14 @@ class RecordOptions:
 
 class Recording(Protocol):
     """The recording of one program. A plugin implements it; see `RecorderPlugin`."""
+
+    @property
+    def entries(self) -> "RecordingSink | None":
+        """Takes the entries of the program, so that it can be replayed; None if it needs none.
+
+        Its `begin` is called before that of the recording, and its `close` before that too.
+        """
+        ...
 
     def begin(self, backend: "Backend", logger: "RosbaseLogger") -> None:
         """Begin to record.

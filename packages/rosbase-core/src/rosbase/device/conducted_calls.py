@@ -1,4 +1,4 @@
-"""The part that a recorded and a replayed transport share, so that both do the same with a frame."""
+"""The part that a recorded and a replayed transport share: both do the same with a frame."""
 
 from abc import abstractmethod
 

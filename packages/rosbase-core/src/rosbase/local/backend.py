@@ -214,6 +214,10 @@ class LocalBackend(Backend):
         """Answer the standard services of a lifecycle node under the name of this one."""
         self._standard.offer_lifecycle(self.node_name, node)
 
+    def take_over(self, topic: str, *, depth: int = 0) -> Callable[[Any], None]:
+        """Publish a topic in place of the programs on the bus."""
+        return self._bus.take_over(self._check(topic), depth)
+
     def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
         """Hear every message of a topic on the bus, and what comes from links."""
         tap = Tap(self._check(topic), on_message, self._remove_tap, self._fail_tap)
