@@ -341,7 +341,7 @@ def test_an_entry_from_outside_can_have_a_result(real: Rig) -> None:
     enter = real.recorder.enter
 
     def change() -> None:
-        answers.append(enter(Kind.CHANGE_STATE, (), b"{}", lambda: "active"))
+        answers.append(enter(Kind.PARAM, (), b"{}", lambda: "active"))
 
     thread = threading.Thread(target=change)
     thread.start()
@@ -349,7 +349,7 @@ def test_an_entry_from_outside_can_have_a_result(real: Rig) -> None:
         real.spin(0.01)
     thread.join()
     assert answers == ["active"]
-    assert real.kinds() == [Kind.CHANGE_STATE]
+    assert real.kinds() == [Kind.PARAM]
 
 
 def test_an_exception_of_an_item_spoils_and_is_the_senders(real: Rig) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from itertools import count
-from threading import get_ident
+from threading import current_thread, get_ident
 from typing import TYPE_CHECKING
 
 from rosbase.entries.kinds import Kind, Numbered, TimerOp
@@ -212,9 +212,16 @@ class RecordedExecutor(Executor):
         poster = self._poster
         if poster.number < 0:
             poster.number = next(self._threads)
+            queue = partial(self._name_poster, poster.number, current_thread().name, queue)
         numbers = (poster.number, poster.posted)
         poster.posted += 1
         self._recorder.come_in(Kind.POSTED, numbers, b"", queue)
+
+    def _name_poster(self, number: int, name: str, queue: Callable[[], object]) -> None:
+        """Note a thread with its first call, which comes in now."""
+        text = name.encode("utf-8", "replace")
+        self._recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=text)
+        queue()
 
     def _operate(self, timer: ExecutorTimer, op: TimerOp, operate: Callable[[], object]) -> None:
         number = getattr(timer, "number", -1)

@@ -4,22 +4,11 @@ from collections.abc import Callable, Iterable
 
 from attrs import frozen
 
-from rosbase.entries.kinds import SECTION_OPS, Kind, Numbered
+from rosbase.entries.kinds import NUMBERED, SECTION_OPS, Kind, Numbered
 from rosbase.entries.script import Entry
 
-__all__ = ["NAMED_BY", "FlowDifference", "entry_text", "time_text"]
+__all__ = ["FlowDifference", "entry_text", "time_text"]
 
-NAMED_BY: dict[int, Numbered] = {
-    Kind.TIMER: Numbered.TIMER,
-    Kind.TIMER_OP: Numbered.TIMER,
-    Kind.SECTION: Numbered.TRANSPORT,
-    Kind.FRAME: Numbered.TRANSPORT,
-    Kind.PUBLISH: Numbered.PUBLISHER,
-    Kind.ARRIVE: Numbered.SUBSCRIPTION,
-    Kind.REQUEST: Numbered.SERVICE,
-    Kind.ANSWER: Numbered.CALL,
-}
-"""What the second number of an entry means."""
 _WORDS = {
     Kind.BEGIN: "the construction",
     Kind.TICK_END: "the end of a tick",
@@ -28,7 +17,7 @@ _WORDS = {
     Kind.URGENT: "an urgent call",
     Kind.RETURN: "the end of a wait",
     Kind.PARAM: "a request to set parameters",
-    Kind.CHANGE_STATE: "a request for a transition",
+    Kind.CHANGE_STATE: "a request of another thread for a transition of",
     Kind.CONTROL: "a request of the control socket",
     Kind.POSTED: "a call of another thread",
     Kind.LOG: "a log line from outside",
@@ -95,7 +84,7 @@ def _what(entry: Entry, text_of: _TextOf) -> str:
     kind = entry.kind
     if kind == Kind.TICK:
         return "a tick"
-    named = NAMED_BY.get(kind)
+    named = NUMBERED.get(kind)
     name = text_of(named, entry.ints[1]) or f"#{entry.ints[1]}" if named is not None else ""
     if kind == Kind.SECTION:
         return f"{SECTION_OPS[entry.ints[2]]} of {name}"

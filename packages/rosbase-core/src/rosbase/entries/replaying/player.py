@@ -6,11 +6,11 @@ from threading import get_ident
 from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
-from rosbase.entries.kinds import SECTION_OPS, Kind, Numbered
+from rosbase.entries.kinds import NUMBERED, SECTION_OPS, Kind, Numbered
 from rosbase.entries.outcomes import error_from_json
 from rosbase.entries.payloads import Json, Payload, from_json
 from rosbase.entries.replaying.entered import Entered
-from rosbase.entries.replaying.flow import NAMED_BY, FlowDifference, entry_text, joined
+from rosbase.entries.replaying.flow import FlowDifference, entry_text, joined
 from rosbase.entries.replaying.inputs import INPUTS, Input, Inputs, inputs_of
 from rosbase.entries.replaying.pace import Pace
 from rosbase.entries.replaying.posted import PostedCalls
@@ -230,7 +230,7 @@ class Player:
         if kind == Kind.POSTED:
             self._play_posted(entry)
             return
-        named = NAMED_BY.get(kind)
+        named = NUMBERED.get(kind)
         play = (
             self._handlers.get(kind)
             if named is None
