@@ -34,6 +34,7 @@ class ConductedProgram:
         self.seen: list[Any] = []
         self._stops: list[bool] = []
         conductor.register(Kind.STOP, lambda _: self._stop())
+        conductor.begin(self.backend)
         self.backend.executor.begin(lambda: self._stops)
 
     def see(self, *values: Any) -> None:
