@@ -28,6 +28,8 @@ from rosbase.testing import virtual_backend
 class Recorded:
     """A recording that notes what happens to it."""
 
+    entries = None
+
     def __init__(self, options: RecordOptions) -> None:
         self.options = options
         self.ends: list[TopicEnd] = []

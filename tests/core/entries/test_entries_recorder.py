@@ -63,7 +63,10 @@ def stopping_on_a_signal(rig: Rig) -> Iterator[list[int]]:
         stops.append(1)
         rig.executor.call_soon(list)
 
-    before = signal.signal(signal.SIGALRM, lambda *_: rig.executor.stop_soon(stop, is_signal=True))
+    def handle(*_: object) -> None:
+        rig.executor.in_signal(lambda: rig.executor.stop_soon(stop))
+
+    before = signal.signal(signal.SIGALRM, handle)
     try:
         yield stops
     finally:
@@ -341,7 +344,7 @@ def test_an_entry_from_outside_can_have_a_result(real: Rig) -> None:
     enter = real.recorder.enter
 
     def change() -> None:
-        answers.append(enter(Kind.PARAM, (), b"{}", lambda: "active"))
+        answers.append(enter(Kind.CHANGE_STATE, (0,), b"{}", lambda: "active"))
 
     thread = threading.Thread(target=change)
     thread.start()
@@ -349,7 +352,7 @@ def test_an_entry_from_outside_can_have_a_result(real: Rig) -> None:
         real.spin(0.01)
     thread.join()
     assert answers == ["active"]
-    assert real.kinds() == [Kind.PARAM]
+    assert real.kinds() == [Kind.CHANGE_STATE]
 
 
 def test_an_exception_of_an_item_spoils_and_is_the_senders(real: Rig) -> None:

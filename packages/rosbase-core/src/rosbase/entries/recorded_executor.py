@@ -41,7 +41,15 @@ class _Poster(threading.local):
 class RecordedExecutor(Executor):
     """Runs calls and timers as `Executor` does, in the turn. While it sleeps, the turn is free."""
 
-    __slots__ = ("_asides", "_machine_wait", "_poster", "_recorder", "_threads", "_turn")
+    __slots__ = (
+        "_asides",
+        "_machine_wait",
+        "_poster",
+        "_recorder",
+        "_signal_thread",
+        "_threads",
+        "_turn",
+    )
 
     def __init__(self, clock: RecordedClock, recorder: "Recorder") -> None:
         super().__init__(clock)
@@ -54,6 +62,8 @@ class RecordedExecutor(Executor):
         self._asides: deque[Callable[[], object]] = deque()
         self._poster = _Poster()
         self._threads = count()
+        # The thread whose signal handler runs now.
+        self._signal_thread = 0
 
     def begin(self, stopping: Callable[[], object]) -> None:
         """Note that this thread runs the program, and has the turn."""
@@ -89,12 +99,20 @@ class RecordedExecutor(Executor):
         self._asides.append(function)
         self.wake()
 
-    def stop_soon(self, function: Callable[[], object], *, is_signal: bool = False) -> None:
+    def stop_soon(self, function: Callable[[], object]) -> None:
         """Let a request to stop come in; in a signal handler, only queue it."""
-        if is_signal:
+        if self._signal_thread == get_ident():
             self._recorder.come_in_later(Kind.STOP, function)
         else:
             self._recorder.come_in(Kind.STOP, (), b"", function)
+
+    def in_signal(self, function: Callable[[], object]) -> None:
+        """Call a function in a signal handler, which may have interrupted an entry."""
+        before, self._signal_thread = self._signal_thread, get_ident()
+        try:
+            function()
+        finally:
+            self._signal_thread = before
 
     @contextmanager
     def let_others(self) -> Iterator[None]:

@@ -99,6 +99,10 @@ class Recorder:
         self._executor = RecordedExecutor(self.clock, self)
         return self._executor
 
+    def record_into(self, sink: RecordingSink) -> None:
+        """Have that sink write the recording; call it before `begin`."""
+        self._sink = sink
+
     def begin(self, backend: Any) -> None:
         """Let the sink listen to the program."""
         self._log.begin()

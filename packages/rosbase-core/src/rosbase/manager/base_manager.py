@@ -3,6 +3,7 @@
 import sys
 import threading
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -16,8 +17,7 @@ from rosbase.manager.building import Builder
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.frequency_log import FrequencyLog
 from rosbase.manager.handshake import Handshake
-from rosbase.manager.main_loop import run_main_loop
-from rosbase.manager.precise_loop import run_precise_loop
+from rosbase.manager.loops import TIMINGS, loop_of
 from rosbase.manager.program import ManagerProgram
 from rosbase.manager.state_switch import StateSwitch
 from rosbase.manager.unrun import UnrunWork
@@ -30,7 +30,6 @@ from rosbase.processes import (
 )
 from rosbase.roles.agent import BaseAgent
 from rosbase.roles.callables import check_answer, check_methods
-from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import must_call_base
 from rosbase.roles.handlers import BaseHandlers
@@ -38,7 +37,14 @@ from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.lookup import find_component
 from rosbase.roles.node import BaseNode
-from rosbase.roles.recording import begin_recording, recorded
+from rosbase.roles.recording import (
+    end_recording,
+    has_no_signals,
+    note_interruption,
+    open_program,
+    recorded,
+    run_aside,
+)
 from rosbase.roles.registration import Registration
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
@@ -159,9 +165,9 @@ class BaseManager(Constructed):
         self._known_threads = threading.enumerate()
         self.nodes = {}
         self.agents = {}
-        self.backend = open_backend(backend, BackendOptions(node_name=node_name))
-        self.logger = open_logger(self.backend, node_name, custom_logger)
-        self._recording = begin_recording(record, self.backend, self.logger)
+        options = BackendOptions(node_name=node_name)
+        opened = open_program(record, backend, options, custom_logger)
+        self.backend, self.logger, self._recording = opened
         self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
         self._program = ManagerProgram(self)
@@ -207,8 +213,7 @@ class BaseManager(Constructed):
             )
         if hasattr(self, "backend"):
             self.backend.close()
-        if self._recording is not None:
-            self._recording.close(sys.exc_info()[1])
+            end_recording(self._recording, self.backend, sys.exc_info()[1])
         # Children were started for this manager, and nobody else knows of them.
         shutdown_unclaimed()
 
@@ -224,7 +229,7 @@ class BaseManager(Constructed):
         Rate(node_freq_hz, 0)
         if handshake_timeout is not None and not _is_duration(handshake_timeout):
             raise ValueError(f"handshake_timeout is a number of seconds, not {handshake_timeout!r}")
-        if timing not in tuple(_TIMINGS):
+        if timing not in TIMINGS:
             raise ValueError(f"timing is 'normal' or 'precise', not {timing!r}")
         self.node_freq_hz = node_freq_hz
         self.state = start_state
@@ -236,7 +241,7 @@ class BaseManager(Constructed):
         self._log_freq = log_freq
         self._frequency_log: FrequencyLog | None = None
         # A virtual clock stands still while somebody spins, and needs no spinning.
-        self._run_loop = _TIMINGS["normal" if self.backend.is_in_virtual_time else timing]
+        self._run_loop = loop_of(self.backend, timing)
         self._processes: ChildProcesses | None = None
         self._stop_requests: list[bool] = []
         # Asked twice in each tick, so it is not a function in Python.
@@ -340,10 +345,9 @@ class BaseManager(Constructed):
 
     def request_stop(self) -> None:
         """End the main loop after the current tick. Call it from any thread or signal handler."""
-        self._stop_requests.append(True)
         if self._processes is not None:
             self._processes.stopping_soon()
-        self.backend.call_soon(_nothing)
+        self.backend.executor.stop_soon(self._stop_now)
 
     def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
         """Run the handshake, bring lifecycle nodes up, run the main loop, and clean up.
@@ -368,20 +372,21 @@ class BaseManager(Constructed):
         self._counts_plainly = (
             getattr(self.update_timestamp, "__func__", None) is BaseManager.update_timestamp
         )
-        if self.backend.is_in_virtual_time:
+        executor = self.backend.executor
+        if has_no_signals(self.backend):
             # The signals of a test are its runner's.
-            executor = self.backend.executor
             with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(processes, None)
             return
+        request_stop = partial(executor.in_signal, self.request_stop)
         with (
-            stop_on_signals(self.request_stop, self.backend.executor.call_urgently) as stop,
+            stop_on_signals(request_stop, executor.call_urgently) as stop,
             offered(self._program if self._is_offered else None, self.logger),
         ):
             self._run(processes, stop)
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
-        with recorded(self._recording):
+        with recorded(self._recording, self.backend):
             self._run_through(processes, stop)
 
     def _run_through(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
@@ -407,6 +412,7 @@ class BaseManager(Constructed):
                 self._look_after,
             )
         except BaseException as error:
+            note_interruption(self.backend, error)
             self.loop_stats.end_tick()
             failure = self._shut_down(processes, stop)
             if not is_wish(error, stop):
@@ -428,8 +434,12 @@ class BaseManager(Constructed):
         The main loop does so itself; a second call does nothing.
         """
         self.backend.close()
-        if self._recording is not None and not self._has_started:
-            self._recording.close(None)
+        if not self._has_started:
+            end_recording(self._recording, self.backend, None)
+
+    def _stop_now(self) -> None:
+        self._stop_requests.append(True)
+        self.backend.call_soon(_nothing)
 
     def _claim(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         if isinstance(processes, ChildProcesses):
@@ -460,11 +470,14 @@ class BaseManager(Constructed):
 
     def _wait_for_handshake(self) -> None:
         timeout_s = self._handshake_timeout_s
-        if timeout_s is None and self.backend.is_in_virtual_time:
+        if timeout_s is None and has_no_signals(self.backend):
             timeout_s = _VIRTUAL_HANDSHAKE_S
         self._handshake.wait(
             self.backend, self._is_pending, self._is_stopping, timeout_s, self._not_active_yet
         )
+
+    def _name_threads_left(self) -> None:
+        name_threads_left(self._known_threads, self.logger)
 
     def _is_pending(self) -> bool:
         answer = self.handshake()
@@ -503,7 +516,7 @@ class BaseManager(Constructed):
                 ("release_resources", self.release_resources),
                 ("destroy_node", self.destroy_node),
                 ("backend", self.backend.close),
-                ("threads", lambda: name_threads_left(self._known_threads, self.logger)),
+                ("threads", partial(run_aside, self.backend, self._name_threads_left)),
             ],
             self.logger,
             stop,
@@ -511,7 +524,6 @@ class BaseManager(Constructed):
         )
 
 
-_TIMINGS = {"normal": run_main_loop, "precise": run_precise_loop}
 _SET_BY_CONSTRUCTOR = {
     *BaseManager.__annotations__,
     *("_has_started", "_handshake", "_processes", "_stop_requests"),

@@ -184,13 +184,12 @@ class Executor:
         """Queue upkeep of a backend, of which no callback of the program knows."""
         self.call_soon(function)
 
-    def stop_soon(self, function: Callable[[], object], *, is_signal: bool = False) -> None:
-        """Make a call that requests a stop: at once, or in a recording as soon as it may come in.
+    def stop_soon(self, function: Callable[[], object]) -> None:
+        """Call a function that requests a stop: at once, or in a recording once it may come in."""
+        function()
 
-        Args:
-            function: The call, from any thread.
-            is_signal: Whether the caller is a signal handler, or may be.
-        """
+    def in_signal(self, function: Callable[[], object]) -> None:
+        """Call a function in a signal handler, which may have interrupted anything."""
         function()
 
     def let_others(self) -> AbstractContextManager[None]:
