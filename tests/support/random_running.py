@@ -281,7 +281,7 @@ class RandomManager(BaseManager):
 
     def _statistics(self, _: Act, __: int) -> None:
         stats = self.loop_stats
-        self.see("statistics", stats.ticks, stats.skipped)
+        self.see("statistics", stats.ticks, stats.overruns)
 
     # Outside.
 

@@ -418,7 +418,7 @@ def test_a_signal_ends_a_replay_without_a_difference() -> None:
         program.executor.create_timer(S, partial(program.note, "timer"))
         if isinstance(program.conductor, Player):
             interrupt = partial(program.stops.append, True)
-            program.executor.stop_soon(interrupt, is_signal=True)
+            program.executor.in_signal(partial(program.executor.stop_soon, interrupt))
         while not program.stops and len(program.log) < 10:
             program.spin(1.0)
 

@@ -46,7 +46,7 @@ class Kind(IntEnum):
     TICK = 17
     """A tick: t, number of skipped ticks, number of waiting calls."""
     TICK_END = 18
-    """The end of a tick: t."""
+    """The end of a tick: t, number of skipped ticks, with those that this tick has made late."""
     LOOK = 19
     """The upkeep between ticks: t."""
     TIMER = 20
@@ -104,7 +104,7 @@ INTS: dict[int, int] = {
     Kind.READ_LOG: 1,
     Kind.BEGIN: 1,
     Kind.TICK: 3,
-    Kind.TICK_END: 1,
+    Kind.TICK_END: 2,
     Kind.LOOK: 1,
     Kind.TIMER: 2,
     Kind.TIMER_OP: 3,

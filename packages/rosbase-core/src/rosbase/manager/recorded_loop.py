@@ -67,8 +67,8 @@ def run_recorded_loop(
             tick()
             end_ns = monotonic_ns()
             notes.append(end_ns)
-            begin(Kind.TICK_END, end_ns - start_ns)
             deadline_ns = rate.advance(end_ns)
             stats.overruns = rate.skipped
+            begin(Kind.TICK_END, end_ns - start_ns, rate.skipped)
         recorder.enter_now(Kind.LOOK)
         look_after()

@@ -33,13 +33,17 @@ def run_replayed_loop(
     assert isinstance(executor, ReplayedExecutor)
     player = executor.player
     loop = _Loop(player, tick, stats)
-    while (entry := executor.follow_to_loop(stopping)) is not None:
-        if entry.kind == Kind.TICK:
+    # The recorded loop asked at these places whether to stop.
+    while not stopping():
+        entry = executor.follow_to_loop()
+        while entry is not None and entry.kind == Kind.TICK:
             loop.run_tick(entry, len(executor.ready))
-        elif player.take() is not None:
+            entry = executor.follow_to_loop()
+        if entry is None:
+            _run_freely(executor, frequency_hz, loop, stopping, look_after)
+            return
+        if entry.kind == Kind.LOOK and player.take() is not None:
             look_after()
-    if not stopping():
-        _run_freely(executor, frequency_hz, loop, stopping, look_after)
 
 
 class _Loop:
@@ -58,7 +62,6 @@ class _Loop:
             return
         if player.take() is None:
             return
-        self.stats.overruns = entry.ints[1]
         self.begin(player.machine.monotonic_ns())
         try:
             self._tick()
@@ -69,8 +72,8 @@ class _Loop:
         if not player.is_free:
             if player.next is None or player.next.kind != Kind.TICK_END:
                 player.differ("the tick ends")
-            else:
-                player.take()
+            elif (end := player.take()) is not None:
+                self.stats.overruns = end.ints[1]
         self.stats.notes.append(player.machine.monotonic_ns())
 
     def begin(self, now_ns: int) -> None:

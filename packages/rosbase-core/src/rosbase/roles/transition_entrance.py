@@ -61,20 +61,10 @@ class TransitionEntrance:
         return self._enter({"error": error_to_json(error)}, run)
 
     def _enter(self, asked: Json, run: Callable[[], CallbackReturn]) -> CallbackReturn:
-        result: CallbackReturn | Exception = self._conductor.enter(
-            Kind.CHANGE_STATE, (self._number,), to_json(asked), run
-        )
-        if isinstance(result, Exception):
-            # Of a replay, whose thread has asked again.
-            raise result
-        return result
+        return self._conductor.enter(Kind.CHANGE_STATE, (self._number,), to_json(asked), run)
 
-    def _replay(self, entry: Entry) -> CallbackReturn | Exception:
+    def _replay(self, entry: Entry) -> CallbackReturn:
         asked: Any = from_json(entry.payload)
-        try:
-            if "error" in asked:
-                return self._transitions.raise_error(error_from_json(asked["error"]))
-            return self._transitions.request(asked["id"], asked["label"])
-        except Exception as error:
-            # It is the asking thread's.
-            return error
+        if "error" in asked:
+            return self._transitions.raise_error(error_from_json(asked["error"]))
+        return self._transitions.request(asked["id"], asked["label"])

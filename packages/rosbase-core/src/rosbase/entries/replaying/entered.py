@@ -1,6 +1,7 @@
 """Requests of threads of the user that wait for their result while the program is replayed."""
 
 from collections import deque
+from collections.abc import Callable
 from threading import Condition
 from typing import Any
 
@@ -30,14 +31,19 @@ class Entered:
         self._changed = Condition()
         self._is_over = False
 
-    def give(self, kind: int, result: object) -> None:
-        """Keep the result of a request."""
+    def carry_out(self, kind: int, request: Callable[[], object]) -> None:
+        """Carry out a request, and keep its result or its error for the thread that makes it."""
+        try:
+            result, error = request(), None
+        except Exception as raised:
+            # As when it was recorded, it is the thread's own.
+            result, error = None, raised
         with self._changed:
-            self._results[kind].append(result)
+            self._results[kind].append((result, error))
             self._changed.notify_all()
 
     def wait(self, kind: int) -> Any:
-        """Return the next result of a kind.
+        """Return the next result of a kind, or raise its error.
 
         Raises:
             RuntimeError: The recording has no such request.
@@ -47,7 +53,10 @@ class Entered:
             self._changed.wait_for(lambda: results or self._is_over, self._patience_s)
             if not results:
                 raise RuntimeError("the replay has no such request: in the recording, none came")
-            return results.popleft()
+            result, error = results.popleft()
+        if error is not None:
+            raise error
+        return result
 
     def close(self) -> None:
         """Let no thread wait any more."""

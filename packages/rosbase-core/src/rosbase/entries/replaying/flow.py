@@ -7,7 +7,7 @@ from attrs import frozen
 from rosbase.entries.kinds import NUMBERED, SECTION_OPS, Kind, Numbered
 from rosbase.entries.script import Entry
 
-__all__ = ["FlowDifference", "entry_text", "time_text"]
+__all__ = ["FlowDifference", "entry_text", "joined", "time_text"]
 
 _WORDS = {
     Kind.BEGIN: "the construction",
@@ -17,7 +17,7 @@ _WORDS = {
     Kind.URGENT: "an urgent call",
     Kind.RETURN: "the end of a wait",
     Kind.PARAM: "a request to set parameters",
-    Kind.CHANGE_STATE: "a request of another thread for a transition of",
+    Kind.CHANGE_STATE: "a request for a transition of",
     Kind.CONTROL: "a request of the control socket",
     Kind.POSTED: "a call of another thread",
     Kind.LOG: "a log line from outside",

@@ -94,6 +94,7 @@ class Player:
         self._created: deque[tuple[int, str]] = deque()
         self._ticks = 0
         self._executor: ReplayedExecutor | None = None
+        self._is_ended = False
         if inputs is None:
             self.next = next(self._script, None)
             self.take()
@@ -119,7 +120,10 @@ class Player:
             self._sink.begin(backend, self, self.trace, self.facts)
 
     def end(self, error: BaseException | None) -> None:
-        """End the replay, and let threads of the user go on."""
+        """End the replay, and let threads of the user go on. Idempotent."""
+        if self._is_ended:
+            return
+        self._is_ended = True
         if not self.is_free and (self.next is None or self.next.kind != Kind.END):
             self.differ("the program ends")
         elif not self.is_free:
@@ -241,9 +245,10 @@ class Player:
             else self._registry.play_of(named, entry.ints[1])
         )
         if play is not None:
-            result = play(entry)
             if kind in self._entered.kinds:
-                self._entered.give(kind, result)
+                self._entered.carry_out(kind, lambda: play(entry))
+            else:
+                play(entry)
         elif named is not None and not self.is_free:
             self.differ(f"the program has no such {named.name.lower()}", entry)
 

@@ -21,7 +21,6 @@ _NS_PER_S = 1_000_000_000
 _LONGEST_S = 1e6
 _SPINS = INPUTS | {Kind.CALL, Kind.TIMER, Kind.RETURN}
 _WAITS = INPUTS | {Kind.URGENT, Kind.RETURN}
-_LOOPS = _SPINS | {Kind.TICK, Kind.LOOK}
 
 
 class ReplayedTimer(ExecutorTimer):
@@ -94,13 +93,15 @@ class ReplayedExecutor(Executor):
     def call_aside(self, function: Callable[[], object]) -> None:
         """Do nothing: a replay has no backend that needs upkeep."""
 
-    def stop_soon(self, function: Callable[[], object], *, is_signal: bool = False) -> None:
-        """Stop for a signal, or for a request of the script or the program."""
-        if is_signal:
-            self.player.interrupt()
+    def stop_soon(self, function: Callable[[], object]) -> None:
+        """Call a function that requests a stop, for the script, the program or a signal."""
+        if self.player.is_inside:
             function()
-        elif self.player.is_inside:
-            function()
+
+    def in_signal(self, function: Callable[[], object]) -> None:
+        """Call a function for a signal: it ends the replay, of which the script knows nothing."""
+        self.player.interrupt()
+        function()
 
     # Timers.
 
@@ -168,20 +169,20 @@ class ReplayedExecutor(Executor):
             self.depth -= 1
         super().wait(done, deadline_ns, look_s)
 
-    def follow_to_loop(self, stopping: Callable[[], object]) -> Entry | None:
-        """Run what came between two ticks; return the next entry of the main loop, not begun yet.
+    def follow_to_loop(self) -> Entry | None:
+        """Run what came between two ticks; return the next entry that is the main loop's own.
 
         Returns:
-            A TICK or a LOOK; None if the loop has stopped, or the program no longer follows.
+            A TICK or a LOOK, not begun yet, or a RETURN; None if the program no longer follows.
         """
         player = self.player
         while not player.is_free:
             coming = player.next
             if coming is not None and coming.kind in (Kind.TICK, Kind.LOOK):
-                return None if stopping() else coming
-            if stopping() and (coming is None or coming.kind != Kind.RETURN):
-                return None
-            self._follow(_LOOPS)
+                return coming
+            entry = self._follow(_SPINS)
+            if entry is not None and entry.kind == Kind.RETURN:
+                return entry
         return None
 
     def _follow(self, expected: frozenset[int]) -> Entry | None:
