@@ -239,7 +239,7 @@ class RecordedExecutor(Executor):
 
     def _queue_first(self, number: int, name: bytes, queue: Callable[[], object]) -> None:
         """Queue the first call of a thread, and note the name by which a replay knows it."""
-        self._recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=name)
+        self.recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=name)
         queue()
 
     def _operate(self, timer: ExecutorTimer, op: TimerOp, operate: Callable[[], object]) -> None:
