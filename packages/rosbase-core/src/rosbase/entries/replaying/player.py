@@ -124,7 +124,11 @@ class Player:
         if self._is_ended:
             return
         self._is_ended = True
-        if not self.is_free and (self.next is None or self.next.kind != Kind.END):
+        # What other threads did until the last moment.
+        while not self.is_free and self.next is not None and self.next.kind in INPUTS:
+            if (entry := self.take()) is not None:
+                self.play(entry)
+        if not self.is_free and self.next is not None and self.next.kind != Kind.END:
             self.differ("the program ends")
         elif not self.is_free:
             self.take()
