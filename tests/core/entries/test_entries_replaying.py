@@ -184,7 +184,9 @@ def sections(program: Program) -> None:
     def call(op: str) -> Any:
         def now() -> Any:
             program.outside(
-                lambda: program.conductor.come_in(Kind.FRAME, (number, 7), b"in", lambda: take(b"in"))
+                lambda: program.conductor.come_in(
+                    Kind.FRAME, (number, 7), b"in", lambda: take(b"in")
+                )
             )
             if op == "open":
                 raise DeviceNotFoundError("/dev/ttyUSB7 is not there")
