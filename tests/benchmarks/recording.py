@@ -42,7 +42,7 @@ TOPICS = 4
 RATE_HZ, SECONDS, TURNS = 10_000, 4, 5
 # A batch each 10 ms, as a driver would hand them over.
 BATCH = RATE_HZ // 100
-LOOP_HZ, LOOP_SECONDS, LOOP_TURNS = 200, 10, 9
+LOOP_HZ, LOOP_SECONDS, LOOP_TURNS = 200, 6, 9
 BY_HAND = str(Path(__file__).parent / "by_hand" / "recording.py")
 ROWS = ("alone", "recorded", "lz4", "rclpy", "rclpy, rosbags", "rclpy, subscriber")
 

@@ -80,10 +80,21 @@ def test_a_message_that_is_missing_is_named() -> None:
 
 
 def test_a_replay_that_was_ended_before_misses_nothing() -> None:
+    for number, is_missing in ((3, False), (4, True)):
+        found = comparison(RUN)
+        for one in RUN[:3]:
+            found.hear(one)
+        assert (found.finish(number) is not None) == is_missing
+
+
+def test_a_replay_of_another_flow_that_was_ended_before_misses_nothing() -> None:
     found = comparison(RUN)
     for one in RUN[:3]:
         found.hear(one)
-    assert found.finish(end_ns=RUN[3].log_ns - 1) is None
+    found.differ_in_flow("timer 3 is gone", 3, 103 * S)
+    first = found.finish(number=9, end_ns=RUN[3].log_ns - 1)
+    assert first is not None
+    assert first.topic == ""
 
 
 def test_a_message_that_is_new_is_named() -> None:
@@ -112,7 +123,7 @@ def test_numbers_that_have_reached_32_bits_are_ordered() -> None:
 def test_after_another_flow_messages_are_compared_by_topic() -> None:
     found = comparison(RUN)
     found.hear(RUN[0])
-    found.differ_in_flow("timer 3 is gone", 2, 102 * S)
+    found.differ_in_flow("timer 3 is gone", 2, 102 * S, ("before: tick 6",))
     for one in (output(7, "/a", 3.0), output(8, "/b", 2.0), output(9, "/b", 4.5)):
         found.hear(one)
     first = found.finish()
@@ -122,7 +133,7 @@ def test_after_another_flow_messages_are_compared_by_topic() -> None:
     assert lines[0] == "first difference at 00:04.000, /b"
     assert lines[-2:] == [
         "the flow of the program differs before: timer 3 is gone",
-        "before: tick 7",
+        "before: tick 6",
     ]
 
 

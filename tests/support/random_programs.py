@@ -144,7 +144,9 @@ def to_json(program: RandomProgram) -> dict[str, Any]:
 def from_json(value: dict[str, Any]) -> RandomProgram:
     """Return the program of `to_json`."""
     acts = {name: _acts_of(value[name]) for name in _PARTS}
-    topics = [Topic(**{**one, "on_message": _acts_of(one["on_message"])}) for one in value["topics"]]
+    topics = [
+        Topic(**{**one, "on_message": _acts_of(one["on_message"])}) for one in value["topics"]
+    ]
     return RandomProgram(
         **acts,
         timers=[(period, _acts_of(inner)) for period, inner in value["timers"]],

@@ -104,9 +104,7 @@ class Body(BaseNode):
             name = f"topic_{number}"
             qos = QoSProfile(
                 topic.depth,
-                durability=DurabilityPolicy[
-                    "TRANSIENT_LOCAL" if topic.is_latched else "VOLATILE"
-                ],
+                durability=DurabilityPolicy["TRANSIENT_LOCAL" if topic.is_latched else "VOLATILE"],
                 reliability=ReliabilityPolicy["RELIABLE" if topic.is_reliable else "BEST_EFFORT"],
             )
             self.publishers.append(self.create_publisher(Vector3, name, qos))

@@ -11,6 +11,7 @@ __all__ = ["rosbase_commands", "rosbase_recorders"]
 
 _COMMANDS = (
     ("record", "record the topics of a running program", "record_command"),
+    ("replay", "run a program with the inputs of a recording", "replay_command"),
     ("recover", "mend a recording that was cut off", "recover_command"),
     ("info", "say what is in a recording", "info_command"),
     ("cut", "copy a part of a recording", "cut_command"),
@@ -28,7 +29,8 @@ def _command(name: str, summary: str, module: str) -> CommandPlugin:
         status: int = import_module(module).run(arguments)
         return status
 
-    return CommandPlugin(name, summary, configure, run)
+    # What stands behind `--` is for the program that is replayed.
+    return CommandPlugin(name, summary, configure, run, forwards_backend_arguments=name == "replay")
 
 
 @hookimpl

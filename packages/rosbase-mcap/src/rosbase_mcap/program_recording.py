@@ -3,7 +3,6 @@
 import os
 import sys
 import threading
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from rosbase_mcap.recorded_run import RecordedRun
 from rosbase_mcap.recorder import Recorder
 from rosbase_mcap.ring import Ring
 from rosbase_mcap.splitting import Split, free_part
-from rosbase_mcap.topic_taps import TopicTaps
+from rosbase_mcap.topic_taps import TopicTaps, wanted
 
 __all__ = ["ProgramRecording"]
 
@@ -71,10 +70,10 @@ class ProgramRecording:
         self._recorder = Recorder(
             self._sink, self._table, logger, before_flush=self._look_again, run=run
         )
-        self._taps = TopicTaps(backend, self._recorder, logger, _is_wanted(self._options.topics))
+        self._taps = TopicTaps(backend, self._recorder, logger, wanted(self._options.topics))
         self._taps.begin()
         self._log = LogChannel(self._recorder)
-        if _is_wanted(self._options.topics, log=True)(LOG_TOPIC):
+        if wanted(self._options.topics, log=True)(LOG_TOPIC):
             add_observer(self._log.take)
         self._recorder.start()
 
@@ -140,17 +139,6 @@ def _check_free(path: Path) -> None:
 
 def _exists(path: Path) -> RecordingError:
     return RecordingError(f"{path}: there is such a file already, and it is not overwritten")
-
-
-def _is_wanted(topics: tuple[str, ...], *, log: bool = False) -> Callable[[str], bool]:
-    """Return the function that says whether a topic is recorded.
-
-    Args:
-        topics: Those that the user has chosen; none stands for all.
-        log: Whether the log is meant: its lines come from the loggers, not from a topic.
-    """
-    names = {f"/{topic.lstrip('/')}" for topic in topics}
-    return lambda topic: (not names or topic in names) and (log or topic != LOG_TOPIC)
 
 
 def _facts(*, is_whole: bool) -> dict[str, str]:

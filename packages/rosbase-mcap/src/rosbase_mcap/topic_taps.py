@@ -1,15 +1,16 @@
 """Hear the topics of a program, from within."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rosbase import Backend, BackendError, Graph, MessageFormat, RosbaseLogger, Tap, TopicEnd
 from rosbase_mcap.channel_table import LATCHED, QOS, Channels
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.log_channel import LOG_TOPIC
 from rosbase_mcap.qos_text import profiles_text
 
-__all__ = ["TopicTaps"]
+__all__ = ["TopicTaps", "wanted"]
 
 # It has a publisher once somebody listens, so no graph shows it before.
 _PARAMETER_EVENTS = TopicEnd("", "/parameter_events", "rcl_interfaces/msg/ParameterEvent")
@@ -124,6 +125,17 @@ class TopicTaps:
                 self._logger.warning(f"a message of {topic} is not recorded: {error}")
 
         return refuse
+
+
+def wanted(topics: Iterable[str], *, log: bool = False) -> Callable[[str], bool]:
+    """Return the function that says whether a topic is recorded.
+
+    Args:
+        topics: Those that the user has chosen; none stands for all.
+        log: Whether the log is meant: its lines come from the loggers, not from a topic.
+    """
+    names = {f"/{topic.lstrip('/')}" for topic in topics}
+    return lambda topic: (not names or topic in names) and (log or topic != LOG_TOPIC)
 
 
 def _hearing(

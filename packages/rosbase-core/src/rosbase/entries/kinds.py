@@ -34,6 +34,11 @@ class Kind(IntEnum):
     """The program created something that has a number: class, number; the payload is its text."""
     SPOIL = 6
     """From here on the run cannot be replayed: t; the payload says why."""
+    READ_LOG = 7
+    """A log record was dated: nanoseconds since the date of the start.
+
+    Not a `READ_DATE`, so that a replay at another log level reads the same for all else.
+    """
 
     # Entries.
     BEGIN = 16
@@ -96,6 +101,7 @@ INTS: dict[int, int] = {
     Kind.FACT: 0,
     Kind.NEW: 2,
     Kind.SPOIL: 1,
+    Kind.READ_LOG: 1,
     Kind.BEGIN: 1,
     Kind.TICK: 3,
     Kind.TICK_END: 2,
@@ -141,7 +147,15 @@ HAS_PAYLOAD: frozenset[int] = frozenset(
 """The kinds that have a payload."""
 
 IS_NOTE: frozenset[int] = frozenset(
-    {Kind.READ_MONO, Kind.READ_DATE, Kind.READ_SLEPT, Kind.FACT, Kind.NEW, Kind.SPOIL}
+    {
+        Kind.READ_MONO,
+        Kind.READ_DATE,
+        Kind.READ_SLEPT,
+        Kind.READ_LOG,
+        Kind.FACT,
+        Kind.NEW,
+        Kind.SPOIL,
+    }
 )
 """The kinds that belong to an entry; all others begin one."""
 

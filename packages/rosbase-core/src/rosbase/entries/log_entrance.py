@@ -1,12 +1,15 @@
 """Where log records of other threads come into a recorded program, so that a replay says them."""
 
 import logging
+from collections.abc import Callable
 from functools import partial
 
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind
 from rosbase.entries.script import Entry
 from rosbase.logger import RosbaseLogger
+from rosbase.logger.dates import date_by
+from rosbase.logger.observer import add_observer, remove_observer
 from rosbase.logger.record_text import whole_text
 from rosbase.messages import Time
 from rosbase.messages.rcl_interfaces import Log
@@ -20,15 +23,32 @@ _OURS = "rosbase."
 
 
 class LogEntrance:
-    """Hears the records of the process. Those of the program itself come by themselves."""
+    """Hears the records of the process while a program is recorded or replayed."""
 
-    def __init__(self, conductor: Conductor) -> None:
+    def __init__(self, conductor: Conductor, log_now_ns: Callable[[], int]) -> None:
+        """Hear nothing yet.
+
+        Args:
+            conductor: The conductor.
+            log_now_ns: Returns the date for a record, on any thread.
+        """
         self._conductor = conductor
+        self._log_now_ns = log_now_ns
         self._encode, self._decode = writer(Log), reader(Log)
         conductor.register(Kind.LOG, self._replay)
 
-    def hear(self, record: logging.LogRecord) -> None:
-        """Note a record of another thread. For `rosbase.logger.observer`."""
+    def begin(self) -> None:
+        """Date all records by the clock of the program, and hear them."""
+        date_by(self._log_now_ns)
+        add_observer(self._hear)
+
+    def end(self) -> None:
+        """Hear nothing more. Do nothing if it has ended."""
+        remove_observer(self._hear)
+        date_by(None)
+
+    def _hear(self, record: logging.LogRecord) -> None:
+        # Those of the thread inside come by themselves, and a replay ignores the others.
         if not self._conductor.is_inside:
             payload = partial(self._encode, _message(record))
             self._conductor.come_in(Kind.LOG, (), payload, _nothing)

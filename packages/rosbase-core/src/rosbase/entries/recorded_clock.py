@@ -40,6 +40,8 @@ class RecordedClock:
         self.monotonic_ns = read
         self.now_ns = _noted(machine.now_ns, Kind.READ_DATE, self.start_date_ns, turn, trace)
         self.suspended_ns = _noted(machine.suspended_ns, Kind.READ_SLEPT, 0, turn, trace)
+        self.log_now_ns = _noted(machine.now_ns, Kind.READ_LOG, self.start_date_ns, turn, trace)
+        """Return the date for a log record."""
         self.sleep = machine.sleep
 
     def now(self) -> Time:

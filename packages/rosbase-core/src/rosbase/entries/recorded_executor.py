@@ -45,10 +45,10 @@ class RecordedExecutor(Executor):
         "_asides",
         "_machine_wait",
         "_poster",
-        "_recorder",
         "_signal_thread",
         "_threads",
         "_turn",
+        "recorder",
     )
 
     def __init__(self, clock: RecordedClock, recorder: "Recorder") -> None:
@@ -57,7 +57,8 @@ class RecordedExecutor(Executor):
         self._monotonic_ns = clock.machine.monotonic_ns
         self._machine_wait = self._wait
         self._wait = self._wait_with_turn_free
-        self._recorder = recorder
+        self.recorder = recorder
+        """Notes what runs."""
         self._turn = recorder.turn
         self._asides: deque[Callable[[], object]] = deque()
         self._poster = _Poster()
@@ -92,7 +93,7 @@ class RecordedExecutor(Executor):
         """Queue a call from outside of the program, with its content."""
         kind, numbers, payload = describe()
         queue = partial(Executor.call_soon, self, GuestCall(function))
-        self._recorder.come_in(Kind(kind), numbers, payload, queue)
+        self.recorder.come_in(Kind(kind), numbers, payload, queue)
 
     def call_aside(self, function: Callable[[], object]) -> None:
         """Queue upkeep, which is no entry."""
@@ -102,9 +103,9 @@ class RecordedExecutor(Executor):
     def stop_soon(self, function: Callable[[], object]) -> None:
         """Let a request to stop come in; in a signal handler, only queue it."""
         if self._signal_thread == get_ident():
-            self._recorder.come_in_later(Kind.STOP, function)
+            self.recorder.come_in_later(Kind.STOP, function)
         else:
-            self._recorder.come_in(Kind.STOP, (), b"", function)
+            self.recorder.come_in(Kind.STOP, (), b"", function)
 
     def in_signal(self, function: Callable[[], object]) -> None:
         """Call a function in a signal handler, which may have interrupted an entry."""
@@ -120,7 +121,7 @@ class RecordedExecutor(Executor):
         if not self._turn.is_mine:
             yield
             return
-        self._recorder.spoil("a thread other than the main loop's waited within an entry")
+        self.recorder.spoil("a thread other than the main loop's waited within an entry")
         self._turn.release()
         try:
             yield
@@ -144,14 +145,14 @@ class RecordedExecutor(Executor):
         """Run one call, waiting up to `timeout_s` for it; return whether there was one."""
         self._catch_up()
         has_run = super().spin_once(timeout_s)
-        self._recorder.enter_now(Kind.RETURN, has_run)
+        self.recorder.enter_now(Kind.RETURN, has_run)
         return has_run
 
     def spin_until(self, deadline_ns: int, stopping: Callable[[], object]) -> None:
         """Run calls until the deadline; run the ready ones even if it has passed."""
         self._catch_up()
         super().spin_until(deadline_ns, stopping)
-        self._recorder.enter_now(Kind.RETURN, 0)
+        self.recorder.enter_now(Kind.RETURN, 0)
 
     def wait(
         self, done: Callable[[], object], deadline_ns: int, look_s: float = _LONGEST_S
@@ -165,10 +166,10 @@ class RecordedExecutor(Executor):
                 left_ns = deadline_ns - self._monotonic_ns()
                 if left_ns <= 0:
                     break
-                self._recorder.bring_in()
+                self.recorder.bring_in()
                 if self._urgent:
                     call = self._urgent.popleft()
-                    self._recorder.enter_now(Kind.URGENT)
+                    self.recorder.enter_now(Kind.URGENT)
                     call()
                     continue
                 self._sleeping = True
@@ -180,10 +181,10 @@ class RecordedExecutor(Executor):
             self._sleeping = False
             self._waits_end_ns = outer_ns
             self.depth -= 1
-        self._recorder.enter_now(Kind.RETURN, 0)
+        self.recorder.enter_now(Kind.RETURN, 0)
 
     def _run_one(self, due_ns: int) -> bool:
-        recorder = self._recorder
+        recorder = self.recorder
         if self._asides or recorder.has_waiting:
             self._catch_up()
         # As in the base class, with a number for each.
@@ -204,7 +205,7 @@ class RecordedExecutor(Executor):
         return True
 
     def _wait_with_turn_free(self, timeout_s: float) -> bool:
-        recorder = self._recorder
+        recorder = self.recorder
         self._turn.release()
         try:
             # Looked at only now: whoever came before this line found the turn taken.
@@ -218,12 +219,12 @@ class RecordedExecutor(Executor):
 
     def _catch_up(self) -> None:
         while self._asides:
-            self._recorder.let_go(self._asides.popleft())
-        self._recorder.bring_in()
+            self.recorder.let_go(self._asides.popleft())
+        self.recorder.bring_in()
 
     def _new_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
         timer = RecordedTimer(self, period_ns, callback)
-        timer.number = self._recorder.number(Numbered.TIMER, name_of(callback))
+        timer.number = self.recorder.number(Numbered.TIMER, name_of(callback))
         return timer
 
     def _post(self, queue: Callable[[], object]) -> None:
@@ -234,16 +235,16 @@ class RecordedExecutor(Executor):
             queue = partial(self._queue_first, poster.number, name, queue)
         numbers = (poster.number, poster.posted)
         poster.posted += 1
-        self._recorder.come_in(Kind.POSTED, numbers, b"", queue)
+        self.recorder.come_in(Kind.POSTED, numbers, b"", queue)
 
     def _queue_first(self, number: int, name: bytes, queue: Callable[[], object]) -> None:
         """Queue the first call of a thread, and note the name by which a replay knows it."""
-        self._recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=name)
+        self.recorder.trace.note(Kind.NEW, Numbered.THREAD, number, payload=name)
         queue()
 
     def _operate(self, timer: ExecutorTimer, op: TimerOp, operate: Callable[[], object]) -> None:
         number = getattr(timer, "number", -1)
-        self._recorder.come_in(Kind.TIMER_OP, (number, op), b"", operate)
+        self.recorder.come_in(Kind.TIMER_OP, (number, op), b"", operate)
 
 
 def name_of(function: Callable[..., object]) -> str:

@@ -12,6 +12,7 @@ from attrs import define
 from rosbase.clock import Clock
 from rosbase.entries.conductor import Play
 from rosbase.entries.kinds import HAS_PAYLOAD, SECTION_OPS, Kind, Numbered
+from rosbase.entries.log_entrance import LogEntrance
 from rosbase.entries.outcomes import error_to_json
 from rosbase.entries.payloads import Json, Payload, to_json
 from rosbase.entries.recorded_clock import RecordedClock
@@ -66,6 +67,7 @@ class Recorder:
         self.trace = Trace()
         """Where entries are noted."""
         self.clock = RecordedClock(machine, self, self.turn, self.trace)
+        self._log = LogEntrance(self, self.clock.log_now_ns)
         self.spoiled: list[str] = []
         """Why the run cannot be replayed to its end."""
         self._sink = sink
@@ -103,6 +105,7 @@ class Recorder:
 
     def begin(self, backend: Any) -> None:
         """Let the sink listen to the program."""
+        self._log.begin()
         if self._sink is not None:
             clock = self.clock
             facts = RunFacts(clock.start_date_ns, clock.start_ns, self._facts)
@@ -119,6 +122,7 @@ class Recorder:
         self._is_over = True
         # Also of threads that had not seen the end.
         self.bring_in()
+        self._log.end()
         self.turn.release()
         if self._sink is not None:
             ended_by = f"{type(error).__name__}: {error}" if error is not None else ""

@@ -42,6 +42,8 @@ class Entry:
     """Values of the date, since the date of the start."""
     reads_slept: deque[int] = Factory(deque)
     """Values of `suspended_ns`."""
+    reads_log: deque[int] = Factory(deque)
+    """Dates of log records, since the date of the start."""
     facts: deque[Json] = Factory(deque)
     """Answers about things outside."""
     created: list[Creation] = Factory(list)
@@ -94,6 +96,8 @@ def _add_note(entry: Entry, code: int, numbers: Sequence[int], payloads: deque[b
         entry.reads_date.append(numbers[0])
     elif code == Kind.READ_SLEPT:
         entry.reads_slept.append(numbers[0])
+    elif code == Kind.READ_LOG:
+        entry.reads_log.append(numbers[0])
     elif code == Kind.FACT:
         entry.facts.append(from_json(payloads.popleft()))
     elif code == Kind.NEW:

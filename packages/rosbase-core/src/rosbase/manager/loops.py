@@ -31,4 +31,4 @@ def loop_of(backend: Backend, timing: str) -> Callable[..., None]:
         return run_replayed_loop
     from rosbase.manager.recorded_loop import run_recorded_loop
 
-    return partial(run_recorded_loop, conductor, is_precise=is_precise)
+    return partial(run_recorded_loop, is_precise=is_precise)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rosbase.entries.kinds import Kind
-from rosbase.entries.recorder import Recorder
+from rosbase.entries.recorded_executor import RecordedExecutor
 from rosbase.runtime.early_wake import EarlyWake
 from rosbase.runtime.executor import Executor, GuestCall
 from rosbase.runtime.rate import LoopStats, Rate
@@ -16,7 +16,6 @@ _NAP_NS = 10_000_000
 
 
 def run_recorded_loop(
-    recorder: Recorder,
     executor: Executor,
     frequency_hz: float,
     tick: Callable[[], object],
@@ -31,6 +30,8 @@ def run_recorded_loop(
     Its own readings of the clock are not the program's, so they are not noted. While it sleeps,
     the turn is free.
     """
+    assert isinstance(executor, RecordedExecutor)
+    recorder = executor.recorder
     monotonic_ns, start_ns = recorder.clock.machine.monotonic_ns, recorder.clock.start_ns
     ready, timers, notes = executor.ready, executor.timers, stats.notes
     begin = recorder.trace.begin

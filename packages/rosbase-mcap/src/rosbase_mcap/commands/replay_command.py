@@ -8,8 +8,7 @@ from typing import Any
 
 from attrs import evolve
 
-from rosbase import ConfigurationError
-from rosbase.program import take_arguments
+from rosbase import ConfigurationError, take_arguments
 from rosbase_mcap.bags import is_mcap, open_bag
 from rosbase_mcap.commands.intermixed import allow_intermixed
 from rosbase_mcap.quantities import moment_ns
@@ -64,19 +63,19 @@ def run(arguments: Any) -> int:
     options = _options(arguments, recorded)
     check_options(options, recorded)
     words = arguments.backend_arguments[1:]
-    if options.topics is None and recorded is not None:
+    facts = recorded.run.facts.more if recorded is not None else {}
+    argv = facts.get("argv")
+    own = [str(word) for word in argv] if isinstance(argv, list) else []
+    program = arguments.program or next(iter(own), "")
+    if not program:
+        raise ConfigurationError(f"{path} names no program: give it after the file")
+    if options.topics is None:
         if words:
             raise ConfigurationError("a replay has the arguments of the recording: leave out --")
-        facts = recorded.run.facts.more
-        argv = facts.get("argv")
-        own = [str(word) for word in argv] if isinstance(argv, list) else []
-        command = [arguments.program or next(iter(own), ""), *own[1:]]
-        environment = restored_environment(facts)
+        command, environment = [program, *own[1:]], restored_environment(facts)
     else:
-        command = [arguments.program or "", *take_arguments(words)]
+        command = [program, *take_arguments(words)]
         environment = dict(os.environ)
-    if not command[0]:
-        raise ConfigurationError(f"{path} names no program: give it after the file")
     sys.stdout.flush()
     python = [sys.executable, "-m", _MODULE, options.to_text()]
     os.execve(sys.executable, [*python, *command], environment)

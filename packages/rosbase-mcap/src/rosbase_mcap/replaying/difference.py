@@ -117,16 +117,24 @@ class Comparison:
         """Take the schema of a topic in the replay."""
         self._new[topic] = schema
 
-    def differ_in_flow(self, what: str, number: int, log_ns: int) -> None:
+    @property
+    def has_other_flow(self) -> bool:
+        """Whether the program takes another way than in the recording."""
+        return bool(self._flow)
+
+    def differ_in_flow(
+        self, what: str, number: int, log_ns: int, context: tuple[str, ...] = ()
+    ) -> None:
         """From here on the program takes another way. Only the first time counts.
 
         Args:
             what: The difference, in words.
             number: Number of the entry.
             log_ns: Its date, in nanoseconds since 1970.
+            context: Lines about the entry, and those before it.
         """
         if not self._flow:
-            self._flow, self._flow_at, self._flow_context = what, (number, log_ns), self._context()
+            self._flow, self._flow_at, self._flow_context = what, (number, log_ns), context
 
     def hear(self, output: Output) -> None:
         """Compare the next message of the replay."""
@@ -142,16 +150,17 @@ class Comparison:
         if self.difference is None:
             self.count += 1
 
-    def finish(self, end_ns: int | None = None) -> Difference | None:
+    def finish(self, number: int | None = None, end_ns: int | None = None) -> Difference | None:
         """Return the first difference, now that the replay is over.
 
         Args:
-            end_ns: Where it has ended, in nanoseconds since 1970; later messages of the recording
-                are not missing. None for the end of the recording.
+            number: Number of the last entry; messages of later ones are not missing. None for the
+                end of the recording. After another flow, `end_ns` counts instead.
+            end_ns: Where it has ended, in nanoseconds since 1970.
         """
         if self.difference is None:
             left = self._left()
-            if left is not None and (end_ns is None or left.log_ns <= end_ns):
+            if left is not None and not self._is_behind(left, number, end_ns):
                 self._differ(Kind.MISSING, left)
         if self.difference is None and self._flow:
             number, log_ns = self._flow_at
@@ -183,12 +192,15 @@ class Comparison:
         firsts += [one] if (one := next(self._recorded, None)) else []
         return min(firsts, key=lambda one: one.log_ns, default=None)
 
+    def _is_behind(self, left: Output, number: int | None, end_ns: int | None) -> bool:
+        if self._flow:
+            return end_ns is not None and left.log_ns > end_ns
+        return number is not None and _is_later(left.number, number)
+
     def _misplaced(self, one: Output, output: Output) -> None:
-        # Numbers have 32 bits, so the nearer one is the earlier one.
-        is_later = 0 < number_in_file(output.number - one.number) < 1 << 31
         if one.number == output.number:
             self._differ(Kind.MISSING, one, instead=output.topic)
-        elif is_later:
+        elif _is_later(output.number, one.number):
             self._differ(Kind.MISSING, one)
         else:
             self._differ(Kind.NEW, output)
@@ -209,6 +221,11 @@ class Comparison:
         place = kind, at.topic, at.number, since_ns, found or Changes((), 0), self.count
         context = self._flow_context or self._context()
         self.difference = Difference(*place, instead, self._flow, context)
+
+
+def _is_later(number: int, other: int) -> bool:
+    """Return whether an entry comes after another. Numbers have 32 bits: the shorter way counts."""
+    return 0 < number_in_file(number - other) < 1 << 31
 
 
 def clock_text(since_ns: int) -> str:

@@ -25,7 +25,9 @@ class Entered:
             patience_s: How long a thread waits, in seconds of real time.
         """
         self._patience_s = patience_s
-        self._results: dict[int, deque[Any]] = {kind: deque(maxlen=1000) for kind in self.kinds}
+        self._results: dict[int, deque[Any]] = {
+            kind: deque(maxlen=1000) for kind in sorted(self.kinds)
+        }
         self._changed = Condition()
         self._is_over = False
 

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
 from rosbase.entries.kinds import NUMBERED, SECTION_OPS, Kind, Numbered
+from rosbase.entries.log_entrance import LogEntrance
 from rosbase.entries.outcomes import error_from_json
 from rosbase.entries.payloads import Json, Payload, from_json
 from rosbase.entries.replaying.entered import Entered
@@ -85,6 +86,7 @@ class Player:
         self._sink, self._pace = sink, pace
         self._registry = Registry()
         self._handlers: dict[int, Play] = {}
+        self._log = LogEntrance(self, self.clock.log_now_ns)
         self._posted = PostedCalls()
         self._entered = Entered()
         self._threads: dict[int, str] = {}
@@ -113,6 +115,7 @@ class Player:
 
     def begin(self, backend: Any) -> None:
         """Let the sink listen to the program."""
+        self._log.begin()
         if self._sink is not None:
             self._sink.begin(backend, self, self.trace, self.facts)
 
@@ -129,6 +132,7 @@ class Player:
             self.differ("the program ends")
         elif not self.is_free:
             self.take()
+        self._log.end()
         self._posted.close()
         self._entered.close()
         if self._sink is not None:

@@ -40,20 +40,21 @@ class ReplayedClock:
         """The clock of the machine in this replay."""
         self.thread_id = get_ident()
         """The thread that runs the program."""
-        self._mono = self._date = self._slept = _NO_READS
+        self._mono = self._date = self._slept = self._log = _NO_READS
         self._planned = self._more = 0
         self._sleeps_count = True
 
     def begin(self, entry: Entry) -> None:
         """Go on with the readings of an entry."""
         self._mono, self._date, self._slept = entry.reads_mono, entry.reads_date, entry.reads_slept
+        self._log = entry.reads_log
         self._planned, self._more = len(self._mono) + len(self._date), 0
         self.machine.move_to(entry.t_ns)
         self._sleeps_count = False
 
     def begin_free(self) -> None:
         """Forget the recorded readings: from now on, the clock is that of the machine."""
-        self._mono = self._date = self._slept = _NO_READS
+        self._mono = self._date = self._slept = self._log = _NO_READS
         self._sleeps_count = True
 
     @property
@@ -72,6 +73,12 @@ class ReplayedClock:
             if self._date:
                 return self.machine.date_read(self._date.popleft())
             self._more += 1
+        return self.machine.now_ns()
+
+    def log_now_ns(self) -> int:
+        """Return the date for a log record."""
+        if self._log and get_ident() == self.thread_id:
+            return self.machine.date_read(self._log.popleft())
         return self.machine.now_ns()
 
     def monotonic_ns(self) -> int:
