@@ -185,7 +185,10 @@ class Recorder:
             return
         try:
             for first in range(0, len(items), _TURN):
-                self._sink.add(items[first : first + _TURN])
+                turn = items[first : first + _TURN]
+                self._sink.add(turn)
+                if self._run is not None:
+                    self._run.count(turn, self._table)
                 if not self._is_stopping:
                     _CLOCK.sleep(_PAUSE_S)
             if block is not None:
@@ -194,9 +197,6 @@ class Recorder:
         except OSError as error:
             self._break(error)
             self._unwritten += len(items)
-            return
-        if self._run is not None:
-            self._run.count(items, self._table)
 
     def _end(self) -> None:
         if self._is_broken:
