@@ -190,7 +190,7 @@ def test_a_call_that_is_queued_in_addition_is_a_difference_before_the_next_tick(
     robot, player = replay(script, lambda robot: robot.backend.call_soon(list))
     robot.start_main_loop_timer()
     assert player.difference is not None
-    assert player.difference.what.startswith("1 call waits before a tick instead of 0")
+    assert player.difference.what.startswith("1 instead of 0 calls wait before a tick")
 
 
 def test_a_signal_ends_the_replay() -> None:
