@@ -1,4 +1,4 @@
-"""`rosbase record`: record the topics of a program that already runs."""
+"""`rosbase record`: record a program that already runs, or have it write what it keeps."""
 
 import argparse
 from collections.abc import Callable
@@ -8,6 +8,8 @@ from typing import Any
 from rosbase import ConfigurationError, SystemClock, make_logger
 from rosbase.control import connect
 from rosbase.control.fleet import Fleet
+from rosbase.control.gathering import ask_one
+from rosbase_mcap.attached_parameters import PARAMETER_EVENTS, record_parameters
 from rosbase_mcap.attached_topics import AttachedTopics
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.commands.intermixed import allow_intermixed
@@ -44,6 +46,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--last", type=span_ns, help="keep only this time, such as 60s, and write it at the end"
     )
     parser.add_argument("--compression", choices=COMPRESSIONS[1:], default="")
+    parser.add_argument(
+        "--save",
+        action="store_true",
+        help="have a program that was started with --record-last write its recording now",
+    )
     allow_intermixed(parser)
 
 
@@ -52,6 +59,8 @@ def run(arguments: Any) -> int:
     # A name of digits is a process id.
     name = int(arguments.name) if arguments.name.isdecimal() else arguments.name
     fleet = connect(name)
+    if arguments.save:
+        return _save(fleet)
     path = arguments.output or _default_path(arguments.name)
     table, logger = ChannelTable(), make_logger("record")
     sink = _sink(arguments, path, table)
@@ -61,6 +70,8 @@ def run(arguments: Any) -> int:
     recorder.start()
     try:
         with stop_request() as is_asked:
+            if not topics or PARAMETER_EVENTS in topics:
+                record_parameters(fleet, recorder, SystemClock())
             number = _record(fleet, attached, recorder, arguments.duration, is_asked)
     finally:
         attached.close()
@@ -89,6 +100,14 @@ def _sink(arguments: Any, path: Path, table: ChannelTable) -> FileSink | Ring:
         return FileSink(path, table, _FACTS, split=split, compression=compression)
     except OSError as error:
         raise McapError(f"{path}: {error.strerror or error}") from error
+
+
+def _save(fleet: Fleet) -> int:
+    """Have programs write what they keep in memory; print the files."""
+    for process in fleet.processes():
+        for file in ask_one(process["pid"], "recording.save", {})[0]["files"]:
+            print(file)
+    return 0
 
 
 def _saved(ring: Ring, path: Path) -> int:
