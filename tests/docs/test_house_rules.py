@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 # a scan that trusts nothing, and the mending of files that were cut off. Messages come from within
 # a program or through its control socket, wait for a thread, and go into files or a ring. Each
 # command has a module.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-mcap": 38, "rosbase-ros2": 48}
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-mcap": 39, "rosbase-ros2": 48}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -1,4 +1,4 @@
-"""What has entered a program, in order: ticks, timers, messages and frames. Pure.
+"""Entries into a program, in order: ticks, timers, messages and frames. Pure.
 
 A replay needs them. They are no messages of ROS, so they are attachments, one for each time that
 the recording was flushed: every reader of MCAP leaves those alone.
@@ -57,7 +57,7 @@ class Entry:
     source: str = ""
     """Name of the timer, the topic, the transport or the service."""
     clock_ns: Sequence[int] = field(default=(), converter=_numbers)
-    """What the entry has read from the clock, in its order, in nanoseconds."""
+    """Readings of the clock by the entry, in its order, in nanoseconds."""
     data: bytes = b""
     """The message, the frame or the request."""
 
