@@ -20,7 +20,7 @@ _FLUSH_S = 0.5
 _JOIN_S = 10.0
 # A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it packs a
 # few messages, and lets go of Python's lock for long enough that the main loop gets it.
-_TURN = 16
+_TURN = 64
 _PAUSE_S = 0.0002
 _CLOCK = SystemClock()
 _BACKLOG_BYTES = 64 << 20
