@@ -339,6 +339,16 @@ def launcher(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def recordings(session: nox.Session) -> None:
+    """A hundred recordings cut off by SIGKILL, mended, and read by all readers: some minutes."""
+    session.install(*MCAP_ORACLES, *ROS_MESSAGES, *TEST_TOOLS)
+    _install(session, "rosbase-core", "rosbase-mcap", "rosbase-ros2")
+    test = "tests/rosbase_mcap/test_kills.py"
+    runs = {"ROSBASE_RECORDING_KILLS": "100"}
+    session.run("pytest", "-q", "-n", "2", test, *session.posargs, env=runs)
+
+
+@nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """How fast it is, beside the same thing by hand: all, or those named, as `-- ros2_reader`."""
     # The loop beside which `precise_loop` puts ours.

@@ -2,8 +2,10 @@
 
 import pytest
 
-from rosbase import Backend
+from rosbase import Backend, BackendOptions
 from rosbase.errors import BackendError
+from rosbase.local.backend import LocalBackend
+from rosbase.local.bus import Bus
 from rosbase.messages import Header, Imu, Time
 from rosbase.qos import DurabilityPolicy, QoSProfile
 from rosbase.testing import virtual_backend
@@ -74,3 +76,19 @@ def test_other_backends_say_that_they_cannot() -> None:
     with pytest.raises(BackendError, match="/scan: messages cannot be replayed"):
         Backend.take_over(backend, "/scan")
     backend.close()
+
+
+def test_the_topic_is_the_programs_again_when_the_backend_is_closed() -> None:
+    bus = Bus()
+    first, second = (LocalBackend(BackendOptions(node_name=name), bus) for name in ("one", "two"))
+    feed = first.take_over("/scan", depth=1)
+    feed(heard("recorded"))
+    first.close()
+    feed(heard("late"))  # nobody hears it
+    got: list[str] = []
+    second.create_subscription(Header, "scan", lambda message: got.append(message.frame_id), 10)
+    second.create_publisher(Header, "scan", 10).publish(heard("own"))
+    while second.spin_once(0.0):
+        pass
+    assert got == ["own"]
+    second.close()

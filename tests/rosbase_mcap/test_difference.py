@@ -10,7 +10,7 @@ from rosbase.messages.rcl_interfaces import Log
 from rosbase_mcap.channel_table import ROS2MSG
 from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.records import Schema
-from rosbase_mcap.replaying.difference import Comparison, Difference, clock_text
+from rosbase_mcap.replaying.difference import Comparison, Difference, Flow, clock_text
 from rosbase_mcap.replaying.fields import changes
 
 S = 1_000_000_000
@@ -91,7 +91,7 @@ def test_a_replay_of_another_flow_that_was_ended_before_misses_nothing() -> None
     found = comparison(RUN)
     for one in RUN[:3]:
         found.hear(one)
-    found.differ_in_flow("timer 3 is gone", 3, 103 * S)
+    found.differ_in_flow(Flow("timer 3 is gone", 3, 3 * S))
     first = found.finish(number=9, end_ns=RUN[3].log_ns - 1)
     assert first is not None
     assert first.topic == ""
@@ -123,17 +123,18 @@ def test_numbers_that_have_reached_32_bits_are_ordered() -> None:
 def test_after_another_flow_messages_are_compared_by_topic() -> None:
     found = comparison(RUN)
     found.hear(RUN[0])
-    found.differ_in_flow("timer 3 is gone", 2, 102 * S, ("before: tick 6",))
+    found.differ_in_flow(Flow("timer 3 is gone", 2, 2 * S, ("before: tick 6",)))
     for one in (output(7, "/a", 3.0), output(8, "/b", 2.0), output(9, "/b", 4.5)):
         found.hear(one)
     first = found.finish()
     assert first is not None
     assert (first.topic, first.since_ns) == ("/b", 4 * S)
-    lines = str(first).splitlines()
-    assert lines[0] == "first difference at 00:04.000, /b"
-    assert lines[-2:] == [
-        "the flow of the program differs before: timer 3 is gone",
+    assert str(first).splitlines() == [
+        "first difference at 00:02.000, entry 2: timer 3 is gone",
         "before: tick 6",
+        "then, at 00:04.000, /b",
+        "    angular_velocity.x: 4.0 -> 4.5   (recorded -> replayed)",
+        "    15 other fields are equal",
     ]
 
 
@@ -141,16 +142,16 @@ def test_another_flow_with_the_same_messages_is_a_difference() -> None:
     found = comparison(RUN)
     for number, one in enumerate(RUN):
         found.hear(one._replace(number=one.number + number))
-        found.differ_in_flow(f"timer {number} is gone", 2 + number, (102 + number) * S)
+        found.differ_in_flow(Flow(f"timer {number} is gone", 2 + number, (2 + number) * S))
     first = found.finish()
     assert first is not None
-    assert str(first).splitlines()[0] == "first difference at 00:02.000: timer 0 is gone"
+    assert str(first).splitlines()[0] == "first difference at 00:02.000, entry 2: timer 0 is gone"
 
 
 def test_after_another_flow_a_silent_topic_is_named_and_kept_within_limits() -> None:
     many = [output(1, "/a", 1.0)] + [output(number, "/b", 0.0) for number in range(2, 5000)]
     found = comparison([*many, output(5000, "/a", 2.0)])
-    found.differ_in_flow("other", 0, 0)
+    found.differ_in_flow(Flow("other", 0, 0))
     found.hear(output(1, "/a", 1.0))
     found.hear(output(2, "/a", 2.0))
     assert found.difference is not None

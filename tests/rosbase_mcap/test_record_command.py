@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from rosbase import RecordOptions
+from rosbase.messages.rcl_interfaces import ParameterEvent
+from rosbase.roles.recording import RECORD_VARIABLE
+from rosbase.wire import deserialize
 from rosbase_mcap.reading import messages, read_summary
 from rosbase_mcap.recovery import is_complete, mend
 from support.operated import APP, Robots, pid_of, robots_in, run
@@ -92,3 +96,39 @@ def test_an_unknown_program_is_named_and_leaves_no_file(robots: Robots, tmp_path
     path = tmp_path / "app.mcap"
     run("record", "nobody", "-o", str(path), status=1)
     assert not path.exists()
+
+
+def test_the_parameters_that_a_program_has_are_recorded(robots: Robots, tmp_path: Path) -> None:
+    path = tmp_path / "app.mcap"
+    robots.start(APP)
+    run("record", "app", "-o", str(path), "--duration", "0.5s")
+    with path.open("rb") as stream:
+        found = [
+            deserialize(entry.message.data, ParameterEvent)
+            for entry in messages(stream)
+            if entry.channel.topic == "/parameter_events"
+        ]
+    values = {one.name: one.value for event in found for one in event.new_parameters}
+    assert values["robot.speed"].double_value == 1.5
+    assert values["robot.names"].string_array_value == ("a", "b")
+
+
+def test_a_program_that_keeps_its_recording_in_memory_writes_it_when_it_is_asked(
+    robots: Robots, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.mcap"
+    options = RecordOptions(path, last_s=60.0)
+    robots.start(APP, env={RECORD_VARIABLE: options.to_text()})
+    assert run("record", "app", "--save") == f"{path}\n"
+    assert run("record", "app", "--save") == f"{tmp_path / 'run_1.mcap'}\n"
+    with path.open("rb") as stream:
+        assert is_complete(stream)
+        assert {entry.channel.topic for entry in messages(stream)} >= {"/position", "/rosout"}
+
+
+def test_a_program_that_keeps_nothing_says_so(robots: Robots, tmp_path: Path) -> None:
+    robots.start(APP)
+    text = run("record", "app", "--save", status=1)
+    assert text == "rosbase: this program does not record itself\n"
+    robots.start(APP.replace('"app"', '"other"'), env={RECORD_VARIABLE: str(tmp_path / "run.mcap")})
+    assert "keeps nothing in memory" in run("record", "other", "--save", status=1)

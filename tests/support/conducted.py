@@ -17,7 +17,7 @@ from rosbase.entries.sink import RunFacts
 from rosbase.local import Bus, LocalBackend
 from rosbase.testing import ManualClock
 
-__all__ = ["ConductedProgram", "Recorded", "record", "replay"]
+__all__ = ["ConductedProgram", "Recorded", "on_thread", "record", "replay"]
 
 _NS_PER_S = 1_000_000_000
 _LONG_S = 30.0
@@ -128,3 +128,10 @@ def replay(run: Run, recorded: Recorded) -> list[Any]:
     player.end(None)
     assert player.difference is None, str(player.difference)
     return program.seen
+
+
+def on_thread(function: Callable[[], object]) -> None:
+    """Call a function on another thread, and wait for its end."""
+    thread = threading.Thread(target=function, name="outside")
+    thread.start()
+    thread.join()

@@ -2,14 +2,18 @@
 
 import logging
 
+from rosbase import DurabilityPolicy, QoSProfile
 from rosbase.contracts.message_format import message_format
 from rosbase.messages import Time
 from rosbase.messages.rcl_interfaces import Log
-from rosbase_mcap.channel_table import Channels
+from rosbase_mcap.channel_table import QOS, Channels
+from rosbase_mcap.qos_text import profiles_text
 
 __all__ = ["LOG_TOPIC", "LogChannel"]
 
 LOG_TOPIC = "/rosout"
+# That of rcl.
+_PROFILE = QoSProfile(1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_LEVEL = 50
 
 
@@ -19,7 +23,8 @@ class LogChannel:
     def __init__(self, channels: Channels) -> None:
         form = message_format(Log)
         self._encode = form.encode
-        self._record = channels.channel(LOG_TOPIC, form.type_name, form.schema, {})
+        metadata = {QOS: profiles_text([_PROFILE])}
+        self._record = channels.channel(LOG_TOPIC, form.type_name, form.schema, metadata)
 
     def take(self, record: logging.LogRecord) -> None:
         """Record what a logger of Python says."""

@@ -20,7 +20,7 @@ _FLUSH_S = 0.5
 _JOIN_S = 10.0
 # A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it packs a
 # few messages, and lets go of Python's lock for long enough that the main loop gets it.
-_TURN = 16
+_TURN = 64
 _PAUSE_S = 0.0002
 _CLOCK = SystemClock()
 _BACKLOG_BYTES = 64 << 20
@@ -185,7 +185,10 @@ class Recorder:
             return
         try:
             for first in range(0, len(items), _TURN):
-                self._sink.add(items[first : first + _TURN])
+                turn = items[first : first + _TURN]
+                self._sink.add(turn)
+                if self._run is not None:
+                    self._run.count(turn, self._table)
                 if not self._is_stopping:
                     _CLOCK.sleep(_PAUSE_S)
             if block is not None:
@@ -194,9 +197,6 @@ class Recorder:
         except OSError as error:
             self._break(error)
             self._unwritten += len(items)
-            return
-        if self._run is not None:
-            self._run.count(items, self._table)
 
     def _end(self) -> None:
         if self._is_broken:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rosbase.control.claim import Claim
 from rosbase.control.programs import Program
 from rosbase.control.requests import Later, Request
 from rosbase.errors import ControlError
@@ -11,7 +12,7 @@ from rosbase.errors import ControlError
 if TYPE_CHECKING:
     from rosbase.entries.conductor import Conductor
 
-__all__ = ["Untaken", "on_loop"]
+__all__ = ["on_loop"]
 
 
 def on_loop(request: Request, program: Program, function: Callable[[], dict[str, Any]]) -> Later:
@@ -38,26 +39,6 @@ def on_loop(request: Request, program: Program, function: Callable[[], dict[str,
     return later
 
 
-class Untaken:
-    """Work that the main loop takes, unless its time is up before that."""
-
-    def __init__(self) -> None:
-        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
-        self._entry = [True]
-
-    def take(self) -> bool:
-        """Return whether the caller is the first."""
-        try:
-            self._entry.pop()
-        except IndexError:
-            return False
-        return True
-
-    def take_on_loop(self, conductor: "Conductor | None") -> bool:
-        """Return whether the main loop is the first; in a replay, whether it was."""
-        return self.take() if conductor is None else bool(conductor.fact(self.take))
-
-
 class _Call:
     """A call for the main loop, which is made or given up."""
 
@@ -67,11 +48,11 @@ class _Call:
         self._request = request
         self._program = program
         self._function = function
-        self._untaken = Untaken()
+        self._claim = Claim()
 
     def run(self, conductor: "Conductor | None") -> None:
         """Make the call. Called by the main loop."""
-        if not self._untaken.take_on_loop(conductor):
+        if not self._claim.take_on_loop(conductor):
             return
         try:
             answer = self._function()
@@ -89,6 +70,6 @@ class _Call:
     def give_up(self) -> str:
         """Say why there is no result; the call is not made any more, unless it has begun."""
         name = self._program.name
-        if self._untaken.take():
+        if self._claim.take():
             return f"the main loop of {name} is busy: nothing was changed"
         return f"the main loop of {name} has begun with it, and is not done"

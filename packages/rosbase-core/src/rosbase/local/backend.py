@@ -57,6 +57,7 @@ class LocalBackend(Backend):
         self._nodes = [self.node_name]
         self._srv_types: dict[Any, Any] = {}
         self._taps: dict[Tap, None] = {}
+        self._taken_over: list[str] = []
         self._closed = False
         self._standard = StandardOffers(self, self._bus, self._parameters, logger)
         self._standard.offer_parameters(self.node_name, "")
@@ -215,8 +216,10 @@ class LocalBackend(Backend):
         self._standard.offer_lifecycle(self.node_name, node)
 
     def take_over(self, topic: str, *, depth: int = 0) -> Callable[[Any], None]:
-        """Publish a topic in place of the programs on the bus."""
-        return self._bus.take_over(self._check(topic), depth)
+        """Publish a topic in place of the programs on the bus, until this backend is closed."""
+        name = self._check(topic)
+        self._taken_over.append(name)
+        return self._bus.take_over(name, depth)
 
     def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
         """Hear every message of a topic on the bus, and what comes from links."""
@@ -254,6 +257,8 @@ class LocalBackend(Backend):
         self._standard.close()
         for tap in list(self._taps):
             tap.close()
+        for name in self._taken_over:
+            self._bus.give_back(name)
         for publisher in list(self._publishers):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):

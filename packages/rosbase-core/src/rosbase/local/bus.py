@@ -148,6 +148,11 @@ class Bus:
                 publisher.close()
         return partial(self._feed, name)
 
+    def give_back(self, name: str) -> None:
+        """Undo `take_over` for publishers that come later. Do nothing if it is undone."""
+        with self._lock:
+            self._feeds.pop(name, None)
+
     def add_tap(self, tap: Tap) -> None:
         """Have a tap hear what is published here, and what comes from links, from now on."""
         with self._lock:
@@ -253,11 +258,13 @@ class Bus:
             vars(self).pop("deliver_from", None)
 
     def _feed(self, name: str, message: Any) -> None:
-        topic = self._topics.get(name)
+        topic, feed = self._topics.get(name), self._feeds.get(name)
+        if feed is None:
+            return
         if topic is not None and not isinstance(message, topic.msg_type):
             raise TypeError(f"{name} takes {topic.msg_type.__name__}, not {type(message).__name__}")
         subscriptions = topic.subscriptions if topic is not None else ()
-        self._feeds[name].deliver(message, subscriptions, self._takers(name))
+        feed.deliver(message, subscriptions, self._takers(name))
 
     def _takers(self, name: str) -> tuple[Callable[[Any], None], ...]:
         return tuple(tap.take for tap in self._taps.get(name, ()))

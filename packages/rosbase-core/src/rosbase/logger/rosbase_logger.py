@@ -261,11 +261,15 @@ class RosbaseLogger:
         self._hand_on(record)
 
     def _say_again(self, date_ns: int, level: int, text: str, place: tuple[str, int, str]) -> None:
-        """Log what a recording has, with its date: a line, perhaps with lines below it."""
+        """Log what a recording has, with its date: a line, perhaps with lines below it.
+
+        The record has the attribute `is_said_again`, so that it is not taken for the program's own.
+        """
         (line, _, below), (file, number, function) = text.partition("\n"), place
         logger = self._logger
         record = logger.makeRecord(logger.name, level, file, number, line, (), None, function)
         record.exc_text = below or None
+        record.is_said_again = True
         date_at(record, date_ns)
         self._emit(record, is_applications=survey(logger)[0])
         self._hand_on(record)
@@ -310,7 +314,7 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Pass a record to observers and log files, and a copy with all text to the listener."""
+        """Pass a record to observers and log files, and its whole text to the listener."""
         for observer in observers.copy():
             observer(record)
         files = self._file, current_log_file()

@@ -39,6 +39,7 @@ from rosbase.roles.lookup import find_component
 from rosbase.roles.node import BaseNode
 from rosbase.roles.recording import (
     end_recording,
+    follow_stops,
     has_no_signals,
     note_interruption,
     open_program,
@@ -168,6 +169,7 @@ class BaseManager(Constructed):
         options = BackendOptions(node_name=node_name)
         opened = open_program(record, backend, options, custom_logger)
         self.backend, self.logger, self._recording = opened
+        follow_stops(self.backend, self._stop_now)
         self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
         self._program = ManagerProgram(self)

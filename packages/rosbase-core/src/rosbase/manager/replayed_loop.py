@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["run_replayed_loop"]
 
-_NS_PER_S = 1_000_000_000
-
 
 def run_replayed_loop(
     executor: Executor,
@@ -58,7 +56,7 @@ class _Loop:
         """Run a recorded tick, if as many calls wait before it as did when it was recorded."""
         player = self._player
         if entry.ints[2] != waiting:
-            player.differ(f"{waiting} calls wait before a tick instead of {entry.ints[2]}")
+            player.differ(f"{waiting} instead of {entry.ints[2]} calls wait before a tick")
             return
         if player.take() is None:
             return
@@ -99,10 +97,11 @@ def _run_freely(
     look_after: Callable[[], object],
 ) -> None:
     stats, now_ns = loop.stats, executor.player.machine.monotonic_ns
-    period_ns = int(_NS_PER_S / float(frequency_hz))
     started_ns = loop.started_ns
-    rate = Rate(frequency_hz, now_ns() if started_ns is None else started_ns + period_ns)
-    deadline_ns, skipped = rate.deadline_ns, stats.overruns
+    rate = Rate(frequency_hz, now_ns() if started_ns is None else started_ns)
+    deadline_ns = rate.deadline_ns if started_ns is None else rate.advance(now_ns())
+    skipped = stats.overruns
+    stats.overruns += rate.skipped
     ticks_between = range(max(1, min(LoopStats.MANY_TICKS, int(frequency_hz / 2))))
     while not stopping():
         for _ in ticks_between:

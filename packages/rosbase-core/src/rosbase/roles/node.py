@@ -34,6 +34,7 @@ from rosbase.roles.latest import Latest
 from rosbase.roles.program import NodeProgram
 from rosbase.roles.recording import (
     end_recording,
+    follow_stops,
     has_no_signals,
     note_interruption,
     open_program,
@@ -114,6 +115,7 @@ class BaseNode(Constructed, Component):
         options = BackendOptions(node_name=name)
         opened = open_program(record, backend, options, custom_logger)
         self._backend, self.logger, self._recording = opened
+        follow_stops(self._backend, self._stop_now)
         self._connection = self._backend
         self._program = NodeProgram(self)
         self._is_offered = may_be_offered(self._backend, wanted=control)

@@ -10,6 +10,7 @@ from typing import Any
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.entries.current import conduct_next, is_replay_next, set_running
+from rosbase.entries.kinds import Kind
 from rosbase.errors import ConfigurationError
 from rosbase.logger import RosbaseLogger
 from rosbase.roles.connection import is_child, open_backend, open_logger
@@ -17,6 +18,7 @@ from rosbase.roles.connection import is_child, open_backend, open_logger
 __all__ = [
     "RECORD_VARIABLE",
     "end_recording",
+    "follow_stops",
     "has_no_signals",
     "note_interruption",
     "open_program",
@@ -98,6 +100,12 @@ def note_interruption(backend: Backend, error: BaseException) -> None:
     """Note in a recording that an interrupt has ended a callback, which no replay can repeat."""
     if backend.conductor is not None and isinstance(error, KeyboardInterrupt):
         backend.conductor.spoil("a callback was interrupted by a signal")
+
+
+def follow_stops(backend: Backend, stop_now: Callable[[], object]) -> None:
+    """Let a replay stop the program where the recorded one was asked to stop."""
+    if backend.conductor is not None:
+        backend.conductor.register(Kind.STOP, lambda _: stop_now())
 
 
 def run_aside(backend: Backend, upkeep: Callable[[], object]) -> None:

@@ -1,4 +1,4 @@
-"""`rosbase record`: record the topics of a program that already runs."""
+"""`rosbase record`: record a program that already runs, or have it write what it keeps."""
 
 import argparse
 from collections.abc import Callable
@@ -8,6 +8,8 @@ from typing import Any
 from rosbase import ConfigurationError, SystemClock, make_logger
 from rosbase.control import connect
 from rosbase.control.fleet import Fleet
+from rosbase.control.gathering import ask_one
+from rosbase_mcap.attached_parameters import PARAMETER_EVENTS, record_parameters
 from rosbase_mcap.attached_topics import AttachedTopics
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.commands.intermixed import allow_intermixed
@@ -15,7 +17,7 @@ from rosbase_mcap.commands.stop_request import stop_request
 from rosbase_mcap.compression import COMPRESSIONS
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.file_sink import FileSink
-from rosbase_mcap.log_channel import LogChannel
+from rosbase_mcap.log_channel import LOG_TOPIC, LogChannel
 from rosbase_mcap.quantities import size_bytes, span_ns
 from rosbase_mcap.recorder import Recorder
 from rosbase_mcap.ring import Ring
@@ -44,6 +46,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--last", type=span_ns, help="keep only this time, such as 60s, and write it at the end"
     )
     parser.add_argument("--compression", choices=COMPRESSIONS[1:], default="")
+    parser.add_argument(
+        "--save",
+        action="store_true",
+        help="have a program that was started with --record-last write its recording now",
+    )
     allow_intermixed(parser)
 
 
@@ -52,6 +59,8 @@ def run(arguments: Any) -> int:
     # A name of digits is a process id.
     name = int(arguments.name) if arguments.name.isdecimal() else arguments.name
     fleet = connect(name)
+    if arguments.save:
+        return _save(fleet)
     path = arguments.output or _default_path(arguments.name)
     table, logger = ChannelTable(), make_logger("record")
     sink = _sink(arguments, path, table)
@@ -61,7 +70,12 @@ def run(arguments: Any) -> int:
     recorder.start()
     try:
         with stop_request() as is_asked:
-            number = _record(fleet, attached, recorder, arguments.duration, is_asked)
+            if not topics or PARAMETER_EVENTS in topics:
+                record_parameters(fleet, recorder, SystemClock())
+            if not topics or LOG_TOPIC in topics:
+                pids = [process["pid"] for process in fleet.processes()]
+                attached.hear_log(pids, LogChannel(recorder))
+            number = _record(attached, recorder, arguments.duration, is_asked)
     finally:
         attached.close()
         recorder.stop()
@@ -91,6 +105,14 @@ def _sink(arguments: Any, path: Path, table: ChannelTable) -> FileSink | Ring:
         raise McapError(f"{path}: {error.strerror or error}") from error
 
 
+def _save(fleet: Fleet) -> int:
+    """Have programs write what they keep in memory; print the files."""
+    for process in fleet.processes():
+        for file in ask_one(process["pid"], "recording.save", {})[0]["files"]:
+            print(file)
+    return 0
+
+
 def _saved(ring: Ring, path: Path) -> int:
     try:
         return ring.save(path)
@@ -99,7 +121,6 @@ def _saved(ring: Ring, path: Path) -> int:
 
 
 def _record(
-    fleet: Fleet,
     attached: AttachedTopics,
     recorder: Recorder,
     duration_ns: int | None,
@@ -109,7 +130,6 @@ def _record(
     clock, number = SystemClock(), 0
     look_ns = clock.monotonic_ns()
     end_ns = None if duration_ns is None else look_ns + duration_ns
-    attached.hear_log([process["pid"] for process in fleet.processes()], LogChannel(recorder))
     while not (recorder.is_broken or is_asked_to_stop()):
         now_ns = clock.monotonic_ns()
         if end_ns is not None and now_ns >= end_ns:

@@ -29,7 +29,7 @@ def main() -> int:
     if not session.has_begun:
         _say(f"{words[0]} has no manager and no standalone node: nothing was replayed")
         return status or 2
-    outcome = session.outcome()
+    outcome = session.outcome
     for line in report_lines(outcome, options):
         print(line, file=sys.stderr)
     return status or status_of(outcome, options)

@@ -15,7 +15,7 @@ from rosbase_mcap.outputs import Output, number_in_file
 from rosbase_mcap.records import Schema
 from rosbase_mcap.replaying.fields import Changes, changes
 
-__all__ = ["Comparison", "Difference", "Kind", "clock_text"]
+__all__ = ["Comparison", "Difference", "Flow", "Kind", "clock_text"]
 
 _MOST_FIELDS = 10
 # A topic that falls as far behind in a replay is not published any more.
@@ -29,6 +29,20 @@ class Kind(Enum):
     MISSING = "is not published any more"
     NEW = "is new"
     FLOW = "another flow"
+
+
+@frozen
+class Flow:
+    """Where a program begins to take another way than in the recording."""
+
+    what: str
+    """In words."""
+    number: int
+    """Number of the entry."""
+    since_ns: int
+    """Time since the start of the recording, in nanoseconds."""
+    context: tuple[str, ...] = ()
+    """Lines about the entry, and those before it."""
 
 
 @frozen
@@ -48,26 +62,34 @@ class Difference:
     """How many messages before it are the same."""
     instead: str = ""
     """Topic that was published in its place."""
-    flow: str = ""
+    flow: "Flow | None" = None
     """In what the flow of the program differs, if that came first."""
     context: tuple[str, ...] = ()
     """Lines about the entry, and those before it."""
 
     def __str__(self) -> str:
         """Return it as lines for people."""
-        lines = [self._heading(), *self._fields()]
-        if self.flow and self.kind is not Kind.FLOW:
-            lines.append(f"the flow of the program differs before: {self.flow}")
-        return "\n".join([*lines, *self.context])
+        if self.kind is Kind.FLOW:
+            return "\n".join([self._flow_heading(), *self.context])
+        message = [f"{self._heading()}{self._kind()}", *self._fields()]
+        if self.flow is None:
+            return "\n".join([*message, *self.context])
+        return "\n".join([self._flow_heading(), *self.context, *message])
+
+    def _flow_heading(self) -> str:
+        flow = self.flow
+        assert flow is not None
+        return f"first difference at {clock_text(flow.since_ns)}, entry {flow.number}: {flow.what}"
 
     def _heading(self) -> str:
-        where = f"first difference at {clock_text(self.since_ns)}"
-        if self.kind is Kind.FLOW:
-            return f"{where}: {self.flow}"
-        entry = "" if self.flow else f", entry {self.number}"
+        when = clock_text(self.since_ns)
+        if self.flow is not None:
+            return f"then, at {when}, {self.topic}"
+        return f"first difference at {when}, entry {self.number}, {self.topic}"
+
+    def _kind(self) -> str:
         what = "" if self.kind is Kind.CHANGED else f" {self.kind.value}"
-        instead = f"; {self.instead} comes instead" if self.instead else ""
-        return f"{where}{entry}, {self.topic}{what}{instead}"
+        return what + (f"; {self.instead} comes instead" if self.instead else "")
 
     def _fields(self) -> list[str]:
         if self.kind is not Kind.CHANGED:
@@ -105,9 +127,7 @@ class Comparison:
         self._context = context
         self._new: dict[str, Schema] = {}
         self._kept: dict[str, deque[Output]] = {}
-        self._flow = ""
-        self._flow_at = (0, 0)
-        self._flow_context: tuple[str, ...] = ()
+        self._flow: Flow | None = None
         self.count = 0
         """How many messages are the same."""
         self.difference: Difference | None = None
@@ -120,21 +140,12 @@ class Comparison:
     @property
     def has_other_flow(self) -> bool:
         """Whether the program takes another way than in the recording."""
-        return bool(self._flow)
+        return self._flow is not None
 
-    def differ_in_flow(
-        self, what: str, number: int, log_ns: int, context: tuple[str, ...] = ()
-    ) -> None:
-        """From here on the program takes another way. Only the first time counts.
-
-        Args:
-            what: The difference, in words.
-            number: Number of the entry.
-            log_ns: Its date, in nanoseconds since 1970.
-            context: Lines about the entry, and those before it.
-        """
-        if not self._flow:
-            self._flow, self._flow_at, self._flow_context = what, (number, log_ns), context
+    def differ_in_flow(self, flow: Flow) -> None:
+        """From here on the program takes another way. Only the first time counts."""
+        if self._flow is None:
+            self._flow = flow
 
     def hear(self, output: Output) -> None:
         """Compare the next message of the replay."""
@@ -143,7 +154,7 @@ class Comparison:
         one = self._next(output.topic)
         if one is None:
             self._differ(Kind.NEW, output)
-        elif not self._flow and (one.number, one.topic) != (output.number, output.topic):
+        elif self._flow is None and (one.number, one.topic) != (output.number, output.topic):
             self._misplaced(one, output)
         elif one.data != output.data:
             self._changed(one, output)
@@ -162,17 +173,15 @@ class Comparison:
             left = self._left()
             if left is not None and not self._is_behind(left, number, end_ns):
                 self._differ(Kind.MISSING, left)
-        if self.difference is None and self._flow:
-            number, log_ns = self._flow_at
-            since_ns = max(0, log_ns - self._start_ns)
-            nothing = Changes((), 0)
-            place = Kind.FLOW, "", number, since_ns, nothing, self.count, ""
-            self.difference = Difference(*place, self._flow, self._flow_context)
+        flow = self._flow
+        if self.difference is None and flow is not None:
+            place = Kind.FLOW, "", flow.number, flow.since_ns, Changes((), 0), self.count, ""
+            self.difference = Difference(*place, flow, flow.context)
         return self.difference
 
     def _next(self, topic: str) -> Output | None:
         """Return the recorded message that the next one of a topic is compared with."""
-        if not self._flow:
+        if self._flow is None:
             return next(self._recorded, None)
         kept = self._kept.get(topic)
         if kept:
@@ -193,7 +202,7 @@ class Comparison:
         return min(firsts, key=lambda one: one.log_ns, default=None)
 
     def _is_behind(self, left: Output, number: int | None, end_ns: int | None) -> bool:
-        if self._flow:
+        if self._flow is not None:
             return end_ns is not None and left.log_ns > end_ns
         return number is not None and _is_later(left.number, number)
 
@@ -219,7 +228,7 @@ class Comparison:
             return
         since_ns = max(0, at.log_ns - self._start_ns)
         place = kind, at.topic, at.number, since_ns, found or Changes((), 0), self.count
-        context = self._flow_context or self._context()
+        context = self._context() if self._flow is None else self._flow.context
         self.difference = Difference(*place, instead, self._flow, context)
 
 

@@ -31,7 +31,7 @@ class Replay:
     def __init__(
         self, session: Session, outputs: list[Output], difference: str, error: Exception | None
     ) -> None:
-        outcome = session.outcome()
+        outcome = session.outcome
         self._outputs, self._schemas = outputs, session.schemas
         self._start_ns = session.start_ns
         self.difference = difference
@@ -131,7 +131,7 @@ def replay(
         error = _run(session, program)
     if not session.has_begun:
         raise ConfigurationError(f"{program!r} is no manager and no standalone node")
-    found = session.outcome().difference
+    found = session.outcome.difference
     difference = "" if found is None else str(found)
     reasons = differences(facts, "") if facts is not None and difference else []
     if reasons:

@@ -1,5 +1,6 @@
 """Hear what a replayed program publishes and logs, as its recording did."""
 
+import logging
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -47,12 +48,17 @@ class Listener:
         self._taps.begin()
         self._log = LogChannel(self)
         if wanted(self._topics, log=True)(LOG_TOPIC):
-            add_observer(self._log.take)
+            add_observer(self._take_line)
 
     def close(self, end: EndFacts) -> None:
         """Hear nothing any more."""
         self._taps.close()
-        remove_observer(self._log.take)
+        remove_observer(self._take_line)
+
+    def _take_line(self, record: logging.LogRecord) -> None:
+        # Lines of other threads come from the recording.
+        if not getattr(record, "is_said_again", False):
+            self._log.take(record)
 
     def channel(
         self, topic: str, type_name: str, schema: str, metadata: Mapping[str, str]

@@ -1,6 +1,6 @@
 """The files of a recorded run: its trace, and what it has published."""
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -40,7 +40,7 @@ class RunFile:
         """Yield the blocks of the trace, up to the first that is missing or damaged."""
         yield from blocks_of(self._attachments())
 
-    def outputs(self) -> Iterator[Output]:
+    def outputs(self) -> Generator[Output, None, None]:
         """Yield what the program has published, in its order."""
         for path in self.paths:
             with opened(path) as stream:

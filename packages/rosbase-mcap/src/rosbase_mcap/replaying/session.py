@@ -1,12 +1,13 @@
 """One replay in this process: from a file to what the program has published."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import ExitStack, closing, contextmanager
+from itertools import chain
 from typing import Any, TypeAlias
 
 from attrs import evolve
 
-from rosbase import Clock, make_logger
+from rosbase import Clock, ConfigurationError, make_logger
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.current import conduct_next
 from rosbase.entries.kinds import Kind
@@ -17,7 +18,7 @@ from rosbase.entries.sink import RunFacts
 from rosbase_mcap.bags import Bag, is_mcap, open_bag
 from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.records import Schema
-from rosbase_mcap.replaying.difference import Comparison, Difference
+from rosbase_mcap.replaying.difference import Comparison, Difference, Flow
 from rosbase_mcap.replaying.late_pace import LatePace
 from rosbase_mcap.replaying.listener import Listener
 from rosbase_mcap.replaying.options import ReplayOptions, check_options
@@ -63,6 +64,7 @@ class Session:
         self._comparison: Comparison | None = None
         self._player: Player | None = None
         self._last: Entry | None = None
+        self._outcome: Outcome | None = None
 
     @contextmanager
     def conducting(self) -> Iterator[None]:
@@ -70,7 +72,7 @@ class Session:
         with ExitStack() as stack:
             if self._options.topics is None:
                 assert self.run is not None
-                make = self._of_all_inputs(self.run)
+                make = self._of_all_inputs(self.run, stack)
             else:
                 make = self._of_topics(stack.enter_context(open_bag(self._options.path)))
             conduct_next(make)
@@ -78,6 +80,7 @@ class Session:
                 yield
             finally:
                 conduct_next(None)
+                self._end()
 
     @property
     def facts(self) -> Mapping[str, Any] | None:
@@ -96,19 +99,32 @@ class Session:
         """Whether there was a program to replay."""
         return self._player is not None
 
+    @property
     def outcome(self) -> Outcome:
-        """Return what has come of it, now that the program has ended."""
+        """What has come of it. Only when the block of `conducting` has ended."""
+        assert self._outcome is not None
+        return self._outcome
+
+    def _end(self) -> None:
         player = self._player
         t_ns = player.machine.t_ns if player is not None else 0
         difference = self._finish(self._comparison, player) if player is not None else None
-        sha256 = self._digest.hexdigest
-        return Outcome(difference, self._cut_short(), sha256, self._messages, t_ns)
+        counts = self._digest.hexdigest, self._messages
+        self._outcome = Outcome(difference, self._cut_short(), *counts, t_ns)
 
-    def _of_all_inputs(self, run: RunFile) -> _Make:
+    def _of_all_inputs(self, run: RunFile, stack: ExitStack) -> _Make:
         start_ns = run.run.facts.start_date_ns
-        self._comparison = Comparison(run.outputs(), run.schemas, start_ns, context=self._context)
+        # Generators that are not closed keep files open.
+        outputs = stack.enter_context(closing(run.outputs()))
+        entries = stack.enter_context(closing(self._script(read_entries(run.blocks()))))
+        first = next(entries, None)
+        if first is None:
+            raise ConfigurationError(
+                f"{self._options.path} has no entry: its program was killed in the first second"
+            )
+        script = chain([first], entries)
+        self._comparison = Comparison(outputs, run.schemas, start_ns, context=self._context)
         listener = Listener(run.run.topics, self._declare, self._take)
-        script = self._script(read_entries(run.blocks()))
 
         def make(clock: Clock) -> Player:
             self._player = Player(script, run.run.facts, sink=listener, pace=self._pace())
@@ -140,7 +156,7 @@ class Session:
         rate = self._options.rate
         return None if rate is None else LatePace(rate, self._options.start_ns)
 
-    def _script(self, entries: Iterable[Entry]) -> Iterator[Entry]:
+    def _script(self, entries: Iterable[Entry]) -> Generator[Entry, None, None]:
         end_ns = self._options.end_ns
         for entry in entries:
             if end_ns is not None and entry.t_ns > end_ns:
@@ -172,10 +188,9 @@ class Session:
     def _note_flow(self, comparison: Comparison, player: Player) -> None:
         flow = player.difference
         if flow is not None and not comparison.has_other_flow:
-            date_ns = player.facts.start_date_ns + flow.t_ns
             lines = [f"before: {', '.join(flow.before)}"] if flow.before else []
             lines += [f"hint: {flow.hint}"] if flow.hint else []
-            comparison.differ_in_flow(flow.what, flow.number, date_ns, tuple(lines))
+            comparison.differ_in_flow(Flow(flow.what, flow.number, flow.t_ns, tuple(lines)))
 
     def _context(self) -> tuple[str, ...]:
         player = self._player

@@ -15,7 +15,7 @@ from rosbase.control.answers.ends import (
     program_for,
     type_class,
 )
-from rosbase.control.on_loop import Untaken
+from rosbase.control.claim import Claim
 from rosbase.control.programs import Program
 from rosbase.control.requests import DEFAULT_TIMEOUT_NS, Answerer, Later, Request
 from rosbase.control.session import Session
@@ -113,11 +113,11 @@ class _ServiceCall:
         self._kind = kind
         self._encode = encode
         self._begin_ns = 0
-        self._untaken = Untaken()
+        self._claim = Claim()
 
     def begin(self, question: Any, timeout_ns: int) -> None:
         """Send the request. Called by the main loop."""
-        if not self._untaken.take_on_loop(self._backend.conductor):
+        if not self._claim.take_on_loop(self._backend.conductor):
             return
         self._begin_ns = _CLOCK.monotonic_ns()
         try:
@@ -134,7 +134,7 @@ class _ServiceCall:
 
     def give_up(self, program: Program) -> str:
         """Say why there is no answer."""
-        if self._untaken.take():
+        if self._claim.take():
             return f"the main loop of {program.name} is busy: {self._name} was not called"
         return f"{self._name} has not answered, and the main loop of {program.name} is busy"
 

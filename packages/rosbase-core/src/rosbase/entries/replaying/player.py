@@ -63,7 +63,7 @@ class Player:
                 script's. The program is asked to stop after the last.
         """
         self.machine = VirtualClock(facts.start_date_ns, facts.start_monotonic_ns)
-        self.clock = ReplayedClock(self, self.machine)
+        self.clock: ReplayedClock = ReplayedClock(self, self.machine)
         self.facts = facts
         """What is known of the recorded run."""
         self.difference: FlowDifference | None = None
