@@ -12,13 +12,13 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[3] / "docs" / "examples" / "quadruped"))
 
-from bridge import Bridge  # noqa: E402 - needs the path above
-from joystick import AUTONOMOUS, NONE, ScriptedJoystick  # noqa: E402 - as above
-from legs import SimulatedLegs  # noqa: E402 - as above
-from manager import QuadrupedManager  # noqa: E402 - as above
-from planner import Planner  # noqa: E402 - as above
-from rosbase import ImuReader, Latest  # noqa: E402 - as above
-from rosbase.messages import Imu, Joy, Twist, Vector3  # noqa: E402 - as above
+from bridge import Bridge
+from joystick import AUTONOMOUS, NONE, ScriptedJoystick
+from legs import SimulatedLegs
+from manager import QuadrupedManager
+from planner import Planner
+from rosbase import ImuReader, Latest
+from rosbase.messages import Imu, Joy, Twist, Vector3
 
 SEED = 19
 GAIN = 0.1
