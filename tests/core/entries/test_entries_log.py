@@ -59,7 +59,7 @@ def test_a_replay_at_another_level_reads_the_same_dates(heard: RecordedLog) -> N
 def test_a_line_of_another_thread_is_said_again_once(heard: RecordedLog) -> None:
     def run(program: ConductedProgram) -> None:
         program.spin(0.5)
-        program.outside_once(lambda: RosbaseLogger("program").error("lost", exc_info=fault()))
+        program.outside(lambda: RosbaseLogger("program").error("lost", exc_info=fault()))
         program.spin(0.1)
 
     recorded = record(run)
