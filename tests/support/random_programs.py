@@ -175,8 +175,8 @@ def _acts(kinds: tuple[str, ...]) -> st.SearchStrategy[Act]:
     return st.builds(Act, st.sampled_from(kinds), st.integers(0, 4), st.integers(-9, 9))
 
 
-def _some(kinds: tuple[str, ...], most: int) -> st.SearchStrategy[list[Act]]:
-    return st.lists(_acts(kinds), max_size=most)
+def _some(kinds: tuple[str, ...], most: int) -> st.SearchStrategy[Acts]:
+    return st.lists(_acts(kinds), max_size=most).map(tuple)
 
 
 def _by_tick(acts: list[Outside]) -> list[Outside]:
