@@ -145,7 +145,7 @@ class Player:
             return _OUTSIDE
         if not self.is_free:
             if not self._created or self._created[0] != (what, text):
-                self.differ(f"the program creates {_a(what)}: {text}")
+                self._differ_in_creation(f"the program creates {_a(what)}: {text}")
             else:
                 self._created.popleft()
         return self._registry.create(what, text, play)
@@ -173,8 +173,10 @@ class Player:
 
     def fact(self, read: Callable[[], Json]) -> Json:
         """Return the recorded answer; what is known without it if there is none."""
-        facts = self.entry.facts
-        return facts.popleft() if facts and self.is_inside else read()
+        # A free program may ask something else, at another time.
+        if self.is_free or not self.is_inside or not self.entry.facts:
+            return read()
+        return self.entry.facts.popleft()
 
     def section(self, transport: int, op: str, call: Callable[[], Json]) -> Json:
         """Run what came in during the call, and return its result or raise its error."""
@@ -359,6 +361,12 @@ class Player:
         if self._executor is not None:
             # So that whoever spins looks whether to stop.
             self._executor.call_soon(_do_nothing)
+
+    def _differ_in_creation(self, what: str) -> None:
+        if self._created:
+            other, text = self._created[0]
+            what += f" instead of {_a(other)}: {text}"
+        self.differ(what)
 
     def _flow_difference(self, what: str) -> FlowDifference:
         number, t_ns = self.entry.number, self.machine.t_ns
