@@ -322,7 +322,7 @@ def wire(session: nox.Session) -> None:
 
 
 @nox.session(python=PYTHONS, default=False)
-def recordings(session: nox.Session) -> None:
+def programs(session: nox.Session) -> None:
     """Random programs, recorded on each Python for the session `replays`."""
     session.install(*TEST_TOOLS)
     _install(session, "rosbase-core")
@@ -335,7 +335,7 @@ def recordings(session: nox.Session) -> None:
 
 @nox.session(python=PYTHONS, default=False)
 def replays(session: nox.Session) -> None:
-    """The recordings of all Pythons, replayed on each; `nox -s recordings replays` makes both."""
+    """The recordings of all Pythons, replayed on each; `nox -s programs replays` makes both."""
     _install(session, "rosbase-core")
     session.install(*TEST_TOOLS)
     env = {"PYTHONPATH": "tests"}

@@ -31,6 +31,7 @@ REAL_EVERY = 10
 def record_all(folder: Path, count: int) -> int:
     """Record some programs; return how many cannot be replayed."""
     from hypothesis import HealthCheck, Phase, given, seed, settings
+
     from support.random_programs import random_programs
 
     number, spoiled = 0, 0
