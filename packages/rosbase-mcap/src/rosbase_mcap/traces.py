@@ -38,7 +38,7 @@ _FORMAT = 1
 
 @frozen
 class Run:
-    """What a file says of the run that it has recorded."""
+    """Facts of a run, in each of its files."""
 
     id: str
     """The same in all files of a recording, and in no other."""
@@ -53,7 +53,7 @@ class Run:
 
 @frozen
 class RunEnd:
-    """What a file says of the end of a run."""
+    """Facts of the end of a run, in the last of its files."""
 
     facts: EndFacts
     sha256: str
@@ -69,8 +69,7 @@ def trace_attachment(block: TraceBlock, number: int, start_date_ns: int) -> Atta
         number: How many blocks were written before, in all files.
         start_date_ns: Date of the start of the run, in nanoseconds since 1970.
     """
-    starts = block.starts
-    date_ns = max(0, start_date_ns + (block.ints[starts[0] + 1] if starts else 0))
+    date_ns = max(0, start_date_ns + block.start_ns)
     data = block.to_bytes(start_date_ns)
     return Attachment(date_ns, 0, f"{_TRACE}{number:06}", _MEDIA_TYPE, data)
 
