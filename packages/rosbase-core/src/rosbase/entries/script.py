@@ -17,7 +17,7 @@ T = TypeVar("T")
 # Most entries have none. Shared, because a long recording has millions of entries.
 _NO_NUMBERS: deque[int] = deque()
 _NO_FACTS: deque[Json] = deque()
-_KINDS = dict(zip(Kind, Kind, strict=True))
+_KINDS: dict[int, Kind] = dict(zip(Kind, Kind, strict=True))
 _SIZES = {kind: 1 + count for kind, count in INTS.items()}
 
 
