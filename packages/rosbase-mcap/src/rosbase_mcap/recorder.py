@@ -7,16 +7,10 @@ from typing import Protocol
 
 from rosbase import RosbaseLogger, SystemClock, background_thread
 from rosbase_mcap.backlog import Backlog, Item
-<<<<<<< HEAD
 from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.recorded_run import RecordedRun
 from rosbase_mcap.records import Attachment, Metadata
-=======
-from rosbase_mcap.channel_table import ChannelTable
-from rosbase_mcap.entries import ENTRIES_CHANNEL, Entry
-from rosbase_mcap.errors import McapError
-from rosbase_mcap.records import Metadata
->>>>>>> mcap
 
 __all__ = ["LOSSES", "Recorder", "Sink"]
 
