@@ -749,6 +749,21 @@ def test_a_destroyed_client_ends_its_calls(backend: LocalBackend) -> None:
         assert str(fails(call)) == "/double: the client has been destroyed"
 
 
+def test_calls_of_a_destroyed_client_end_in_the_order_of_their_begin(
+    backend: LocalBackend,
+) -> None:
+    client = backend.create_client(Double, "absent")
+    # So many that no order of addresses is the same by chance.
+    calls = [client.call_async(Double.Request(n)) for n in range(50)]
+    ended: list[Any] = []
+    for call in calls:
+        call.add_done_callback(ended.append)
+    backend.destroy_client(client)
+    for _ in calls:
+        backend.spin_once(0)
+    assert ended == calls
+
+
 def test_no_service_is_ready_for_a_destroyed_client(backend: LocalBackend) -> None:
     backend.create_service(Double, "double", double)
     client = backend.create_client(Double, "double")

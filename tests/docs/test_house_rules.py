@@ -21,7 +21,11 @@ ROOT = Path(__file__).parents[2]
 # look at a program. The nodes of one process, each a node of ROS, share a context. A serial port
 # has surroundings, each a subject of its own: the driver, other programs and who they are, two
 # kinds of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48}
+# A recording is a format of its own: its records, chunks and end, each with a writer and a reader,
+# a scan that trusts nothing, and the mending of files that were cut off. Messages come from within
+# a program or through its control socket, wait for a thread, and go into files or a ring. Each
+# command has a module.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-mcap": 38, "rosbase-ros2": 48}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -9,12 +9,12 @@ May implement, if the backend reaches beyond this process: `delivers_in_process`
 `log_handler`, `log_name`, `has_console_log`, `begin_run`, `end_run`, `open_node`,
 `expose_lifecycle`, `prepared_sender`, `create_timer`, `destroy_timer`, `timer_now_ns`,
 `create_service`, `create_client`, `destroy_service`, `destroy_client`, `add_tap`,
-`kept_messages`, `graph`, `message_format`, `find_type`.
+`kept_messages`, `graph`, `message_format`, `find_type`, `take_over`.
 
 May set, before the constructor returns: `node_name`, `clock`.
 
-Never override, because the executor sets them: `executor`, `call_soon`, `spin_once`, `spin_until`,
-`is_in_virtual_time`.
+Never override, because the constructor sets them: `executor`, `call_soon`, `spin_once`,
+`spin_until`, `is_in_virtual_time`, `new_ends`, `connections`, `conductor`.
 
 `rosbase.testing.backend_contract` checks all of this. Optional abilities of a backend are declared
 there, not guessed.
@@ -64,13 +64,17 @@ Error messages are one line that names the topic, the parameter or the value.
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.names import check_node_name
+from rosbase.contracts.new_ends import NewEnds
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.node_view import NodeView
+from rosbase.entries.conductor import conductor_of
+from rosbase.errors import BackendError
 from rosbase.parameters import ParameterValue
 from rosbase.runtime.executor import Executor, ExecutorTimer
 
@@ -121,7 +125,14 @@ class Backend(NodeConnection):
         check_node_name(node_name)
         self.node_name = node_name
         self.clock = clock
-        self.executor = Executor(clock)
+        self.connections: list[NodeConnection] = [self]
+        """Its own, and those that were opened for nodes; the roles add them."""
+        self.new_ends = NewEnds()
+        """Tells of each new publisher and subscription. The backend calls `tell`."""
+        self.conductor = conductor_of(clock)
+        """Records or replays the program; None for most programs."""
+        conductor = self.conductor
+        self.executor = conductor.make_executor() if conductor else Executor(clock)
         """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon
         """Ask the spinning thread to call a function. Call it from any thread or signal handler."""
@@ -133,7 +144,8 @@ class Backend(NodeConnection):
         """
         self.spin_until = self.executor.spin_until
         """Handle callbacks as they come, until a deadline on the monotonic clock."""
-        self.is_in_virtual_time = not isinstance(clock, SystemClock)
+        machine = getattr(clock, "machine", clock)
+        self.is_in_virtual_time = not isinstance(machine, SystemClock)
         """Whether deadlines follow a test's clock instead of this machine's."""
 
     @abstractmethod
@@ -179,6 +191,21 @@ class Backend(NodeConnection):
         starts again.
         """
         return self.clock.monotonic_ns()
+
+    def take_over(self, topic: str, *, depth: int = 0) -> Callable[[Any], None]:
+        """Publish a topic in place of the program, as a replay of recorded topics does.
+
+        From now on, publishers of the program reach nobody on it. The returned function delivers a
+        message to all subscriptions, whatever their profiles, and to taps.
+
+        Args:
+            topic: Its full name.
+            depth: Number of messages that are kept for subscriptions that come later.
+
+        Raises:
+            BackendError: This backend cannot, as by default.
+        """
+        raise BackendError(f"{topic}: messages cannot be replayed on this backend")
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open the connection of a node that the manager registers under that name.

@@ -107,7 +107,7 @@ class ServiceCall(Generic[RequestT, ResponseT]):
 
     def expire_after(self, timeout_ns: int, make_error: Callable[[], ServiceError]) -> None:
         """Let the call fail unless it is done by then."""
-        self.limit(self._executor.clock.monotonic_ns() + timeout_ns, make_error)
+        self.limit(self._now_ns() + timeout_ns, make_error)
         timer = self._executor.create_timer(timeout_ns, lambda: self.expire(make_error()))
         with self._lock:
             if not self._is_done:
@@ -126,7 +126,10 @@ class ServiceCall(Generic[RequestT, ResponseT]):
 
     def _is_late(self) -> bool:
         deadline_ns = self._deadline_ns
-        return deadline_ns is not None and self._executor.clock.monotonic_ns() > deadline_ns
+        return deadline_ns is not None and self._now_ns() > deadline_ns
+
+    def _now_ns(self) -> int:
+        return self._executor.clock.monotonic_ns()
 
     def _end(self, response: ResponseT | None, error: ServiceError | None) -> bool:
         with self._lock:

@@ -4,10 +4,11 @@ import math
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rosbase.contracts.service_call import ServiceCall
 from rosbase.contracts.services import ServiceType
+from rosbase.entries.conductor import conductor_of
 from rosbase.errors import (
     ServiceDepthError,
     ServiceError,
@@ -16,6 +17,10 @@ from rosbase.errors import (
 )
 from rosbase.runtime.executor import Executor
 from rosbase.runtime.waiting import Waiting
+
+if TYPE_CHECKING:
+    from rosbase.contracts.guarded_services import CallEntrance
+    from rosbase.entries.entrance import Form
 
 __all__ = ["DEFAULT_TIMEOUT_S", "MOST_CALLS_DEEP", "ServiceClient"]
 
@@ -35,8 +40,8 @@ _NS_PER_S = 1_000_000_000
 class ServiceClient(ABC, Generic[RequestT, ResponseT]):
     """A client of a service, but for what depends on the backend.
 
-    Must implement: `send`, `service_is_ready`. May implement: `check_thread`. Call `changed` when
-    the service comes or goes.
+    Must implement: `send`, `service_is_ready`. May implement: `check_thread`, `response_form`.
+    Call `changed` when the service comes or goes.
     """
 
     def __init__(
@@ -50,14 +55,17 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
             executor: The executor of the backend.
         """
         self._request_type: Any = srv_type.Request
+        self._response_type: Any = srv_type.Response
         self._type_name = getattr(srv_type, "__name__", str(srv_type))
         self._name = service_name
         self._executor = executor
         self._waiting = Waiting(executor)
-        self._pending: set[ServiceCall[Any, Any]] = set()
+        # No set, whose order would be that of addresses: calls fail in the order of their begin.
+        self._pending: dict[ServiceCall[Any, Any], None] = {}
         self._dropped = 0
         self._drop_lock = threading.Lock()
         self._is_closed = False
+        self._entrance = self._make_entrance()
 
     @abstractmethod
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
@@ -78,6 +86,16 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         Raises:
             ServiceError: It may not, because the answer could not come meanwhile.
         """
+
+    def response_form(self) -> "Form":
+        """Return the form of the answers, for a recording.
+
+        Raises:
+            TypeError: They have no schema.
+        """
+        from rosbase.contracts.message_format import message_format
+
+        return message_format(self._response_type)
 
     def changed(self) -> None:
         """Look again whether the service is there. Call it from any thread."""
@@ -155,18 +173,27 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
             raise TypeError(
                 f"{self._name} takes {self._type_name}.Request, not {type(request).__name__}"
             )
-        call: ServiceCall[RequestT, ResponseT] = ServiceCall(
+        begin = ServiceCall if self._entrance is None else self._entrance.begin
+        call: ServiceCall[RequestT, ResponseT] = begin(
             self._name, request, self._executor, self._ended, self.count_late
         )
-        self._pending.add(call)
+        self._pending[call] = None
         # Looked at only now: whoever closes it afterwards finds the call.
         if self._is_closed:
             call.cancel()
             raise self._closed_error()
         return call
 
+    def _make_entrance(self) -> "CallEntrance | None":
+        conductor = conductor_of(self._executor.clock)
+        if conductor is None:
+            return None
+        from rosbase.contracts.guarded_services import CallEntrance
+
+        return CallEntrance(conductor, self._name, self.response_form, self.count_late)
+
     def _ended(self, call: ServiceCall[Any, Any]) -> None:
-        self._pending.discard(call)
+        self._pending.pop(call, None)
         self._waiting.changed()
 
     def count_late(self) -> None:

@@ -1,5 +1,10 @@
 """A right to act that exactly one of several threads gets."""
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rosbase.entries.conductor import Conductor
+
 __all__ = ["Claim"]
 
 
@@ -19,3 +24,7 @@ class Claim:
         except IndexError:
             return False
         return True
+
+    def take_on_loop(self, conductor: "Conductor | None") -> bool:
+        """Return whether the main loop is the first; in a replay, whether it was."""
+        return self.take() if conductor is None else bool(conductor.fact(self.take))

@@ -1,12 +1,16 @@
 """Requests that change something: carried out between the ticks of the main loop."""
 
 from collections.abc import Callable
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from rosbase.control.claim import Claim
 from rosbase.control.programs import Program
 from rosbase.control.requests import Later, Request
 from rosbase.errors import ControlError
+
+if TYPE_CHECKING:
+    from rosbase.entries.conductor import Conductor
 
 __all__ = ["on_loop"]
 
@@ -31,7 +35,7 @@ def on_loop(request: Request, program: Program, function: Callable[[], dict[str,
         raise ControlError(f"{program.name} is stopping", "refused")
     call = _Call(request, program, function)
     later = request.wait(call.give_up)
-    backend.executor.call_as_guest(call.run)
+    backend.executor.call_from_outside(partial(call.run, backend.conductor), request.describe)
     return later
 
 
@@ -46,9 +50,9 @@ class _Call:
         self._function = function
         self._claim = Claim()
 
-    def run(self) -> None:
+    def run(self, conductor: "Conductor | None") -> None:
         """Make the call. Called by the main loop."""
-        if not self._claim.take():
+        if not self._claim.take_on_loop(conductor):
             return
         try:
             answer = self._function()

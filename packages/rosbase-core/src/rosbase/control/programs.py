@@ -15,6 +15,7 @@ from attrs import frozen
 
 from rosbase.contracts.backend import Backend
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.contracts.recording import Recording
 from rosbase.control.recent_log import recent_log
 from rosbase.errors import ConfigurationError, ControlError
 from rosbase.lifecycle import ManagedNode
@@ -23,6 +24,7 @@ from rosbase.runtime.rate import LoopStats
 
 if TYPE_CHECKING:
     from rosbase.control.server import ControlServer
+    from rosbase.entries.conductor import Conductor
 
 __all__ = [
     "CONTROL_VARIABLE",
@@ -77,6 +79,11 @@ class Program:
     """Its log; set by `offered`."""
     started_ns = 0
     """Start of its run on the machine's monotonic clock; set by `offered`."""
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that it makes of itself, if it does."""
+        return None
 
     @property
     def name(self) -> str:
@@ -151,6 +158,9 @@ def may_be_offered(backend: Backend, *, wanted: bool) -> bool:
     """
     if not isinstance(wanted, bool):
         raise TypeError(f"control is True or False, not {wanted!r}")
+    if backend.conductor is not None and backend.conductor.is_replay:
+        # For the recorded requests; nobody else can ask.
+        return wanted
     is_on = is_control_on() and wanted and not backend.is_in_virtual_time
     if is_on:
         recent_log.start()
@@ -177,6 +187,10 @@ def offered(program: Program | None, logger: RosbaseLogger) -> Iterator[None]:
 
 def _begin(program: Program, logger: RosbaseLogger) -> None:
     global _programs, _server  # noqa: PLW0603 - they concern the process
+    conductor = program.backend.conductor if program.backend is not None else None
+    if conductor is not None and conductor.is_replay:
+        _begin_replay(program, logger, conductor)
+        return
     # Only now: a program without a socket needs none of it.
     from rosbase.control.server import CLOCK, ControlServer
 
@@ -191,6 +205,18 @@ def _begin(program: Program, logger: RosbaseLogger) -> None:
         except (ControlError, OSError, RuntimeError) as error:
             _server = None
             logger.warning(f"there is no control socket: {error}; {_CURE}")
+
+
+def _begin_replay(program: Program, logger: RosbaseLogger, conductor: "Conductor") -> None:
+    """Answer the requests of a recording, without a socket."""
+    global _programs  # noqa: PLW0603 - it concerns the process
+    from rosbase.control.replayed import ReplayedControl
+    from rosbase.entries.kinds import Kind
+
+    program.logger = logger
+    with _lock:
+        _programs = (*_programs, program)
+    conductor.register(Kind.CONTROL, ReplayedControl().play)
 
 
 def _end(program: Program) -> None:

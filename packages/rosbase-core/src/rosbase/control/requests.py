@@ -9,8 +9,17 @@ from rosbase.text.printable import one_line
 if TYPE_CHECKING:
     from rosbase.control.session import Session
     from rosbase.control.streams import Stream
+    from rosbase.runtime.executor import Description
 
-__all__ = ["DEFAULT_TIMEOUT_NS", "LATER", "Answerer", "Later", "Reply", "Request"]
+__all__ = [
+    "DEFAULT_TIMEOUT_NS",
+    "LATER",
+    "Answerer",
+    "Later",
+    "Reply",
+    "Request",
+    "control_entry",
+]
 
 ValueT = TypeVar("ValueT")
 
@@ -103,8 +112,15 @@ class Request:
         """Answer the request with an error, as `answer`."""
         return self._settle(error_frame(error))
 
+    def describe(self) -> "Description":
+        """Return what a recording has of the request, for `Executor.call_from_outside`."""
+        return control_entry(self._session, self.arguments, self.data)
+
     def wait(
-        self, on_timeout: Callable[[], str] = str, timeout_ns: int = DEFAULT_TIMEOUT_NS
+        self,
+        on_timeout: Callable[[], str] = str,
+        timeout_ns: int = DEFAULT_TIMEOUT_NS,
+        grace_ns: int = 0,
     ) -> Later:
         """Return `LATER`, and have the request fail if nobody has answered in time.
 
@@ -114,10 +130,11 @@ class Request:
             on_timeout: Called on the thread of the socket when the time is up. It gives up the
                 work, and returns the text of the error.
             timeout_ns: The time, if the request does not say it.
+            grace_ns: Time in addition, for whoever ends the work in time by itself.
         """
         asked_ns = self.whole("timeout_ns", timeout_ns)
         self._on_timeout = on_timeout
-        self.deadline_ns = self._session.now_ns() + min(asked_ns, _MOST_TIMEOUT_NS)
+        self.deadline_ns = self._session.now_ns() + min(asked_ns + grace_ns, _MOST_TIMEOUT_NS)
         return LATER
 
     def time_out(self) -> None:
@@ -143,6 +160,21 @@ class Request:
         if type(value) is not kind:
             raise ControlError(f"{name} is {what}, not {type(value).__name__}", "invalid")
         return value
+
+
+def control_entry(session: "Session", arguments: dict[str, Any], data: bytes) -> "Description":
+    """Return what a recording has of something that a connection asks.
+
+    Args:
+        session: The connection.
+        arguments: What it asks, as JSON has it.
+        data: Bytes behind that.
+    """
+    # Most programs are not recorded.
+    from rosbase.entries.kinds import Kind
+    from rosbase.entries.payloads import to_json
+
+    return Kind.CONTROL, (session.number,), b"%s\n%s" % (to_json(arguments), data)
 
 
 def error_frame(error: ControlError) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import select
 import selectors
 import socket
 from collections.abc import Callable
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from rosbase.control.frames import MOST_PAYLOAD, MOST_REQUEST, FrameReader, encode_line
@@ -35,6 +36,8 @@ _LOOK_NS = 1_000_000_000
 # For a client whose garbage is thrown away after the connection was given up.
 _MOST_DISCARDED = 16
 
+_numbers = count()
+
 
 class Session:
     """A connection. Unless it says so, everything here happens on the thread of the socket."""
@@ -42,6 +45,8 @@ class Session:
     def __init__(
         self, clients: "Clients", server: "ControlServer", connection: socket.socket
     ) -> None:
+        self.number = next(_numbers)
+        """Number of the connection in this process."""
         self._clients = clients
         self._server = server
         self._connection = connection

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
+from rosbase.device.conducted import conducted_transport
+from rosbase.entries.conductor import conductor_of
 from rosbase.errors import ConfigurationError, NotInstalledError, RosbaseError
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import TransportPlugin
@@ -16,9 +18,22 @@ def make_transport(
 ) -> Transport:
     """Return a transport that has touched no device yet.
 
+    While the program is recorded or replayed, it is one whose frames are recorded or replayed.
+
     Raises:
         ConfigurationError: The values are invalid; or the plugin is not finished, or broken.
     """
+    conductor = conductor_of(context.clock)
+    if conductor is None:
+        return _create(plugin, values, context)
+    return conducted_transport(
+        conductor, plugin.name, lambda inner: _create(plugin, values, inner), context
+    )
+
+
+def _create(
+    plugin: TransportPlugin, values: Mapping[str, ParameterValue], context: TransportContext
+) -> Transport:
     with _working(plugin):
         transport = plugin.create(values, context)
     if not isinstance(transport, Transport):

@@ -10,10 +10,11 @@ from rosbase.contracts.node_connection import NodeConnection
 from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.contracts.tap import Tap
+from rosbase.entries.conductor import conductor_of
 from rosbase.errors import BackendError, ParameterError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
-from rosbase.local.endpoints import LocalPublisher, LocalSubscription
+from rosbase.local.endpoints import LocalPublisher, LocalSubscription, make_publisher
 from rosbase.local.node import LocalNode
 from rosbase.local.service_registry import type_name
 from rosbase.local.standard.offers import StandardOffers
@@ -22,8 +23,9 @@ from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 
 if TYPE_CHECKING:
-    from rosbase.contracts.graph import Graph
+    from rosbase.contracts.graph import Graph, TopicEnd
     from rosbase.contracts.service_server import ServiceServer
+    from rosbase.local.guard import Guard
     from rosbase.local.service_client import LocalClient
 
 __all__ = ["LocalBackend"]
@@ -43,6 +45,7 @@ class LocalBackend(Backend):
         super().__init__(options.clock, options.node_name)
         self._options = options
         self._bus = bus or process_bus()
+        self._guard = self._make_guard()
         self._logger = logger = make_logger(options.node_name, None, options.clock)
         self._parameters = ParameterStore(options.parameter_overrides, logger.error, self.call_soon)
         self._publishers: list[LocalPublisher] = []
@@ -53,7 +56,8 @@ class LocalBackend(Backend):
         self._owners: dict[Any, str] = {}
         self._nodes = [self.node_name]
         self._srv_types: dict[Any, Any] = {}
-        self._taps: set[Tap] = set()
+        self._taps: dict[Tap, None] = {}
+        self._taken_over: list[str] = []
         self._closed = False
         self._standard = StandardOffers(self, self._bus, self._parameters, logger)
         self._standard.offer_parameters(self.node_name, "")
@@ -70,8 +74,10 @@ class LocalBackend(Backend):
         does, and differs only in which subscriptions match.
         """
         name = self._check(topic)
-        publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic))
+        make = make_publisher if self._guard is None else self._guard.make_publisher
+        publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic), make)
         self._publishers.append(publisher)
+        self.new_ends.tell(lambda: self._topic_end(publisher, msg_type))
         return publisher
 
     def create_subscription(
@@ -83,13 +89,16 @@ class LocalBackend(Backend):
     ) -> Subscription[MessageT]:
         """Create a subscription that keeps as many messages as its profile says."""
         name, profile = self._check(topic), as_profile(qos_profile, topic)
-        subscription = LocalSubscription(name, callback, profile, self.call_soon)
+        make = LocalSubscription if self._guard is None else self._guard.subscription_of(msg_type)
+        subscription = make(name, callback, profile, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
         self._subscriptions.append(subscription)
+        self.new_ends.tell(lambda: self._topic_end(subscription, msg_type))
         return subscription
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher."""
+        self._note_outside("destroys a publisher")
         if publisher in self._publishers:
             self._publishers.remove(publisher)
             self._owners.pop(publisher, None)
@@ -97,6 +106,7 @@ class LocalBackend(Backend):
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
+        self._note_outside("destroys a subscription")
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             self._owners.pop(subscription, None)
@@ -117,7 +127,8 @@ class LocalBackend(Backend):
         check_service_type(srv_type, srv_name)
         name = self._check(srv_name, "service")
         answer = isolated(service_answer(srv_type, name, callback), srv_type.Response)
-        service = ServiceServer(name, answer, self.executor, self._logger)
+        make = ServiceServer if self._guard is None else self._guard.server_of(srv_type)
+        service = make(name, answer, self.executor, self._logger)
         self._bus.services.add_provider(name, type_name(srv_type), service)
         self._srv_types[service] = srv_type
         self._services.append(service)
@@ -140,6 +151,7 @@ class LocalBackend(Backend):
 
     def destroy_service(self, service: Service) -> None:
         """Destroy a service."""
+        self._note_outside("destroys a service")
         if service in self._services:
             self._services.remove(service)
             self._owners.pop(service, None)
@@ -149,6 +161,7 @@ class LocalBackend(Backend):
 
     def destroy_client(self, client: Client[Any, Any]) -> None:
         """Destroy a client."""
+        self._note_outside("destroys a client")
         if client in self._clients:
             self._clients.remove(client)
             self._owners.pop(client, None)
@@ -158,6 +171,7 @@ class LocalBackend(Backend):
 
     def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one."""
+        self._note_outside("declares a parameter")
         return self._parameters.declare(spec)
 
     def get_parameter(self, name: str) -> Parameter[Any]:
@@ -166,6 +180,7 @@ class LocalBackend(Backend):
 
     def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
+        self._note_outside("sets parameters")
         return self._parameters.set(parameters)
 
     def parameter_names(self) -> list[str]:
@@ -200,10 +215,16 @@ class LocalBackend(Backend):
         """Answer the standard services of a lifecycle node under the name of this one."""
         self._standard.offer_lifecycle(self.node_name, node)
 
+    def take_over(self, topic: str, *, depth: int = 0) -> Callable[[Any], None]:
+        """Publish a topic in place of the programs on the bus, until this backend is closed."""
+        name = self._check(topic)
+        self._taken_over.append(name)
+        return self._bus.take_over(name, depth)
+
     def add_tap(self, topic: str, on_message: Callable[[Any], object]) -> Tap:
         """Hear every message of a topic on the bus, and what comes from links."""
         tap = Tap(self._check(topic), on_message, self._remove_tap, self._fail_tap)
-        self._taps.add(tap)
+        self._taps[tap] = None
         self._bus.add_tap(tap)
         return tap
 
@@ -236,6 +257,8 @@ class LocalBackend(Backend):
         self._standard.close()
         for tap in list(self._taps):
             tap.close()
+        for name in self._taken_over:
+            self._bus.give_back(name)
         for publisher in list(self._publishers):
             self.destroy_publisher(publisher)
         for subscription in list(self._subscriptions):
@@ -246,8 +269,27 @@ class LocalBackend(Backend):
             self.destroy_client(client)
         self.executor.close()
 
+    def _note_outside(self, what: str) -> None:
+        if self._guard is not None:
+            self._guard.note_outside(what)
+
+    def _make_guard(self) -> "Guard | None":
+        conductor = conductor_of(self.clock)
+        if conductor is None:
+            return None
+        from rosbase.local.guard import Guard
+
+        return Guard(conductor, self.message_format)
+
+    def _topic_end(self, end: LocalPublisher | LocalSubscription, msg_type: type) -> "TopicEnd":
+        # A node that has it is known only later; listeners look for topics.
+        from rosbase.contracts.graph import TopicEnd, type_name_of
+
+        name = f"/{self.node_name}"
+        return TopicEnd(name, end.topic, type_name_of(msg_type), msg_type, end.profile)
+
     def _remove_tap(self, tap: Tap) -> None:
-        self._taps.discard(tap)
+        self._taps.pop(tap, None)
         self._bus.remove_tap(tap)
 
     def _fail_tap(self, tap: Tap, error: Exception) -> None:

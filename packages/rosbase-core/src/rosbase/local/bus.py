@@ -6,8 +6,9 @@ topics are wanted here.
 
 import threading
 from collections.abc import Callable, Iterable
+from functools import partial
 from itertools import count
-from typing import Any
+from typing import Any, TypeAlias
 
 from rosbase.contracts.tap import Tap
 from rosbase.errors import BackendError
@@ -18,11 +19,15 @@ from rosbase.local.endpoints import (
     LocalSubscription,
     make_publisher,
 )
+from rosbase.local.feed import Feed
 from rosbase.local.service_registry import ServiceRegistry
 from rosbase.logger import RosbaseLogger
 from rosbase.qos import QoSProfile, ReliabilityPolicy, mismatch
 
-__all__ = ["Bus", "process_bus"]
+__all__ = ["Bus", "MakePublisher", "process_bus"]
+
+MakePublisher: TypeAlias = Callable[[str, type, QoSProfile], LocalPublisher]
+"""Makes a publisher of a topic, of a type, with a profile."""
 
 
 class _Topic:
@@ -71,23 +76,32 @@ class Bus:
         self._topics: dict[str, _Topic] = {}
         self._taps: dict[str, tuple[Tap, ...]] = {}
         self._links: tuple[BusLink, ...] = ()
+        self._feeds: dict[str, Feed] = {}
         self._latched_numbers = count(1)
         self._logger = RosbaseLogger("topics")
         self._lock = threading.Lock()
 
-    def add_publisher(self, name: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
-        """Add a publisher of the topic with that full name.
+    def add_publisher(
+        self,
+        name: str,
+        msg_type: type,
+        profile: QoSProfile,
+        make: MakePublisher = make_publisher,
+    ) -> LocalPublisher:
+        """Add a publisher of the topic with that full name, which `make` makes.
 
         Raises:
             BackendError: The topic has another type.
         """
         with self._lock:
             topic = self._enter(name, msg_type)
-            publisher = make_publisher(name, msg_type, profile)
+            publisher = make(name, msg_type, profile)
             topic.publishers.append(publisher)
-            if name in self._taps:
+            is_fed = name in self._feeds
+            if name in self._taps and not is_fed:
                 publisher.set_taps(self._takers(name))
-            reasons = [_connect(publisher, other) for other in topic.subscriptions]
+            heard = () if is_fed else topic.subscriptions
+            reasons = [_connect(publisher, other) for other in heard]
         self._warn(name, reasons)
         return publisher
 
@@ -102,7 +116,11 @@ class Bus:
             if subscription.profile.is_latched:
                 subscription.channel = next(self._latched_numbers)
             topic.subscriptions = (*topic.subscriptions, subscription)
-            reasons = [_connect(publisher, subscription) for publisher in topic.publishers]
+            feed = self._feeds.get(subscription.topic)
+            if feed is not None:
+                feed.welcome(subscription)
+            publishers = topic.publishers if feed is None else ()
+            reasons = [_connect(publisher, subscription) for publisher in publishers]
             self._tell_links(subscription, topic)
         self._warn(subscription.topic, reasons)
 
@@ -112,6 +130,28 @@ class Bus:
             publisher.close()
             self._topics[publisher.topic].publishers.remove(publisher)
             self._leave(publisher.topic)
+
+    def take_over(self, name: str, depth: int) -> Callable[[Any], None]:
+        """Have the publishers of a topic reach nobody from now on.
+
+        Returns the function that delivers in their place; it raises TypeError if a message is not
+        of the topic's type.
+
+        Args:
+            name: Full name of the topic.
+            depth: Number of messages that are kept for subscriptions that come later.
+        """
+        with self._lock:
+            self._feeds.setdefault(name, Feed(depth))
+            topic = self._topics.get(name)
+            for publisher in topic.publishers if topic else ():
+                publisher.close()
+        return partial(self._feed, name)
+
+    def give_back(self, name: str) -> None:
+        """Undo `take_over` for publishers that come later. Do nothing if it is undone."""
+        with self._lock:
+            self._feeds.pop(name, None)
 
     def add_tap(self, tap: Tap) -> None:
         """Have a tap hear what is published here, and what comes from links, from now on."""
@@ -134,6 +174,8 @@ class Bus:
     def kept_messages(self, name: str) -> list[Any]:
         """Return what the publishers of a topic keep for subscriptions that come later."""
         with self._lock:
+            if name in self._feeds:
+                return self._feeds[name].kept_messages()
             topic = self._topics.get(name)
             publishers = topic.publishers if topic else ()
             return [message for publisher in publishers for message in publisher.kept_messages()]
@@ -206,13 +248,23 @@ class Bus:
 
     def _connect_taps(self, name: str) -> None:
         topic, takers = self._topics.get(name), self._takers(name)
-        for publisher in topic.publishers if topic else ():
+        # A feed finds them by itself.
+        for publisher in topic.publishers if topic and name not in self._feeds else ():
             publisher.set_taps(takers)
         # So what comes from links has no cost without a tap.
         if self._taps:
             vars(self)["deliver_from"] = self._deliver_with_taps
         else:
             vars(self).pop("deliver_from", None)
+
+    def _feed(self, name: str, message: Any) -> None:
+        topic, feed = self._topics.get(name), self._feeds.get(name)
+        if feed is None:
+            return
+        if topic is not None and not isinstance(message, topic.msg_type):
+            raise TypeError(f"{name} takes {topic.msg_type.__name__}, not {type(message).__name__}")
+        subscriptions = topic.subscriptions if topic is not None else ()
+        feed.deliver(message, subscriptions, self._takers(name))
 
     def _takers(self, name: str) -> tuple[Callable[[Any], None], ...]:
         return tuple(tap.take for tap in self._taps.get(name, ()))

@@ -17,6 +17,7 @@ __all__ = [
     "LocalPublisher",
     "LocalSubscription",
     "make_publisher",
+    "publisher_class",
 ]
 
 Channel = str | int
@@ -197,10 +198,13 @@ class CopyingLatchedPublisher(LatchedPublisher):
         super().publish(copy.deepcopy(message))
 
 
+def publisher_class(msg_type: type, profile: QoSProfile) -> type[LocalPublisher]:
+    """Return the class of publishers that keep messages as the profile says."""
+    if is_frozen(msg_type):
+        return LatchedPublisher if profile.is_latched else LocalPublisher
+    return CopyingLatchedPublisher if profile.is_latched else CopyingPublisher
+
+
 def make_publisher(topic: str, msg_type: type, profile: QoSProfile) -> LocalPublisher:
     """Create a publisher that keeps messages as its profile says."""
-    if is_frozen(msg_type):
-        kind = LatchedPublisher if profile.is_latched else LocalPublisher
-    else:
-        kind = CopyingLatchedPublisher if profile.is_latched else CopyingPublisher
-    return kind(topic, msg_type, profile)
+    return publisher_class(msg_type, profile)(topic, msg_type, profile)

@@ -31,12 +31,17 @@ class LocalClient(ServiceClient[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return not self.is_closed and self._registry.is_served(self.service_name)
+        if self._entrance is not None:
+            return self._entrance.ask(self._is_served)
+        return self._is_served()
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
         call.request = self._isolate(call.request)
         self._registry.send(self.service_name, call)
+
+    def _is_served(self) -> bool:
+        return not self.is_closed and self._registry.is_served(self.service_name)
 
 
 def _same(request: Any) -> Any:

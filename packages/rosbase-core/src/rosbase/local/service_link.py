@@ -198,7 +198,7 @@ class _RemoteStandard:
 
     def nodes(self) -> list[tuple[str, str]]:
         """Return the nodes and kinds of the other side."""
-        return list(self._nodes)
+        return sorted(self._nodes)
 
     def provider(self, node: str, kind: str, service: str) -> _RemoteService:
         """Return whoever sends requests for a service to the other side."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.console import current_console
+from rosbase.logger.dates import date_at, set_date
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
@@ -175,6 +176,17 @@ class RosbaseLogger:
         child._file = self._file
         return child
 
+    def twin(self, clock: Clock) -> "RosbaseLogger":
+        """Return a logger of the same name and destinations, with throttles of its own.
+
+        Args:
+            clock: Clock for throttling.
+        """
+        twin = copy.copy(self)
+        twin._clock, twin._lock = clock, threading.Lock()
+        twin._filters, twin._said, twin._next_ns = Filters(), {}, {}
+        return twin
+
     def set_level(self, level: str | int) -> None:
         """Set the minimum level that is logged; 0 resets it.
 
@@ -248,6 +260,20 @@ class RosbaseLogger:
         self._emit(record, is_applications=is_applications)
         self._hand_on(record)
 
+    def _say_again(self, date_ns: int, level: int, text: str, place: tuple[str, int, str]) -> None:
+        """Log what a recording has, with its date: a line, perhaps with lines below it.
+
+        The record has the attribute `is_said_again`, so that it is not taken for the program's own.
+        """
+        (line, _, below), (file, number, function) = text.partition("\n"), place
+        logger = self._logger
+        record = logger.makeRecord(logger.name, level, file, number, line, (), None, function)
+        record.exc_text = below or None
+        record.is_said_again = True
+        date_at(record, date_ns)
+        self._emit(record, is_applications=survey(logger)[0])
+        self._hand_on(record)
+
     def _passes(self, level: int, options: LogOptions, frame: FrameType) -> bool:
         if unknown := options.keys() - LogOptions.__annotations__.keys():
             raise TypeError(f"a logger does not take {', '.join(sorted(unknown))}")
@@ -279,6 +305,7 @@ class RosbaseLogger:
             stack_of(frame) if options.get("stack_info") else None,
         )
         record.exc_text = None if error is None else traceback_of(error)
+        set_date(record)
         return record
 
     def _have_listen(self, listener: logging.Handler | None, *, has_console: bool) -> None:
@@ -288,7 +315,7 @@ class RosbaseLogger:
 
     def _hand_on(self, record: logging.LogRecord) -> None:
         """Pass a record to observers and log files, and its whole text to the listener."""
-        for observer in observers:
+        for observer in observers.copy():
             observer(record)
         files = self._file, current_log_file()
         for file in files[files[0] is files[1] :]:

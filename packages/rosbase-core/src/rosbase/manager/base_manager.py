@@ -1,10 +1,14 @@
 """The manager: owns everything in one process, and connects the roles."""
 
+import sys
 import threading
 from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.control.programs import may_be_offered, offered
 from rosbase.lifecycle import State
 from rosbase.logger import RosbaseLogger
@@ -13,8 +17,7 @@ from rosbase.manager.building import Builder
 from rosbase.manager.clock_watch import ClockWatch
 from rosbase.manager.frequency_log import FrequencyLog
 from rosbase.manager.handshake import Handshake
-from rosbase.manager.main_loop import run_main_loop
-from rosbase.manager.precise_loop import run_precise_loop
+from rosbase.manager.loops import TIMINGS, loop_of
 from rosbase.manager.program import ManagerProgram
 from rosbase.manager.state_switch import StateSwitch
 from rosbase.manager.unrun import UnrunWork
@@ -27,7 +30,6 @@ from rosbase.processes import (
 )
 from rosbase.roles.agent import BaseAgent
 from rosbase.roles.callables import check_answer, check_methods
-from rosbase.roles.connection import open_backend, open_logger
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import must_call_base
 from rosbase.roles.handlers import BaseHandlers
@@ -35,6 +37,15 @@ from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.lookup import find_component
 from rosbase.roles.node import BaseNode
+from rosbase.roles.recording import (
+    end_recording,
+    follow_stops,
+    has_no_signals,
+    note_interruption,
+    open_program,
+    recorded,
+    run_aside,
+)
 from rosbase.roles.registration import Registration
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
@@ -95,6 +106,7 @@ class BaseManager(Constructed):
     """Optional method, called after `get_state_switch` and with its result if it takes an argument.
     """
 
+    _recording: Recording | None = None
     _is_initialised = False
     """Whether the constructor of this class has come to the components."""
 
@@ -114,6 +126,7 @@ class BaseManager(Constructed):
         handshake_timeout: float | None = None,
         timing: Literal["normal", "precise"] = "normal",
         control: bool = True,
+        record: str | Path | RecordOptions | None = None,
         main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
@@ -136,6 +149,8 @@ class BaseManager(Constructed):
                 costs processor time. In virtual time, both are exact.
             control: Whether programs of this user, such as `rosbase topic list`, can look at this
                 one and operate it while it runs. `ROSBASE_CONTROL=off` turns it off for all.
+            record: File to which this program is recorded, or options with such a file; by default
+                what `rosbase run --record` says. It needs rosbase-mcap.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
 
@@ -144,14 +159,17 @@ class BaseManager(Constructed):
                 is async or a generator.
             ValueError: The rate or the timeout is not a positive number, or there is no such
                 timing.
-            NotInstalledError: No backend of that name can be used.
+            NotInstalledError: No backend of that name can be used, or no recorder.
+            RecordingError: The recording cannot be created.
         """
         check_methods(self, _PLAIN_METHODS)
         self._known_threads = threading.enumerate()
         self.nodes = {}
         self.agents = {}
-        self.backend = open_backend(backend, BackendOptions(node_name=node_name))
-        self.logger = open_logger(self.backend, node_name, custom_logger)
+        options = BackendOptions(node_name=node_name)
+        opened = open_program(record, backend, options, custom_logger)
+        self.backend, self.logger, self._recording = opened
+        follow_stops(self.backend, self._stop_now)
         self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
         self._program = ManagerProgram(self)
@@ -197,6 +215,7 @@ class BaseManager(Constructed):
             )
         if hasattr(self, "backend"):
             self.backend.close()
+            end_recording(self._recording, self.backend, sys.exc_info()[1])
         # Children were started for this manager, and nobody else knows of them.
         shutdown_unclaimed()
 
@@ -212,7 +231,7 @@ class BaseManager(Constructed):
         Rate(node_freq_hz, 0)
         if handshake_timeout is not None and not _is_duration(handshake_timeout):
             raise ValueError(f"handshake_timeout is a number of seconds, not {handshake_timeout!r}")
-        if timing not in tuple(_TIMINGS):
+        if timing not in TIMINGS:
             raise ValueError(f"timing is 'normal' or 'precise', not {timing!r}")
         self.node_freq_hz = node_freq_hz
         self.state = start_state
@@ -224,7 +243,7 @@ class BaseManager(Constructed):
         self._log_freq = log_freq
         self._frequency_log: FrequencyLog | None = None
         # A virtual clock stands still while somebody spins, and needs no spinning.
-        self._run_loop = _TIMINGS["normal" if self.backend.is_in_virtual_time else timing]
+        self._run_loop = loop_of(self.backend, timing)
         self._processes: ChildProcesses | None = None
         self._stop_requests: list[bool] = []
         # Asked twice in each tick, so it is not a function in Python.
@@ -318,12 +337,19 @@ class BaseManager(Constructed):
         """
         return find_component(self.agents, agent_class, name, "agent")
 
+    @property
+    def recording(self) -> Recording | None:
+        """Recording of this program; None if it is not recorded.
+
+        `recording.save()` writes what `RecordOptions.last_s` keeps in memory.
+        """
+        return self._recording
+
     def request_stop(self) -> None:
         """End the main loop after the current tick. Call it from any thread or signal handler."""
-        self._stop_requests.append(True)
         if self._processes is not None:
             self._processes.stopping_soon()
-        self.backend.call_soon(_nothing)
+        self.backend.executor.stop_soon(self._stop_now)
 
     def start_main_loop_timer(self, processes: ChildProcesses | None = None) -> None:
         """Run the handshake, bring lifecycle nodes up, run the main loop, and clean up.
@@ -348,19 +374,24 @@ class BaseManager(Constructed):
         self._counts_plainly = (
             getattr(self.update_timestamp, "__func__", None) is BaseManager.update_timestamp
         )
-        if self.backend.is_in_virtual_time:
+        executor = self.backend.executor
+        if has_no_signals(self.backend):
             # The signals of a test are its runner's.
-            executor = self.backend.executor
             with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(processes, None)
             return
+        request_stop = partial(executor.in_signal, self.request_stop)
         with (
-            stop_on_signals(self.request_stop, self.backend.executor.call_urgently) as stop,
+            stop_on_signals(request_stop, executor.call_urgently) as stop,
             offered(self._program if self._is_offered else None, self.logger),
         ):
             self._run(processes, stop)
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
+        with recorded(self._recording, self.backend):
+            self._run_through(processes, stop)
+
+    def _run_through(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         try:
             self.backend.executor.begin(self._is_stopping)
             self.backend.begin_run(self.request_stop)
@@ -383,6 +414,7 @@ class BaseManager(Constructed):
                 self._look_after,
             )
         except BaseException as error:
+            note_interruption(self.backend, error)
             self.loop_stats.end_tick()
             failure = self._shut_down(processes, stop)
             if not is_wish(error, stop):
@@ -404,6 +436,12 @@ class BaseManager(Constructed):
         The main loop does so itself; a second call does nothing.
         """
         self.backend.close()
+        if not self._has_started:
+            end_recording(self._recording, self.backend, None)
+
+    def _stop_now(self) -> None:
+        self._stop_requests.append(True)
+        self.backend.call_soon(_nothing)
 
     def _claim(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         if isinstance(processes, ChildProcesses):
@@ -434,11 +472,14 @@ class BaseManager(Constructed):
 
     def _wait_for_handshake(self) -> None:
         timeout_s = self._handshake_timeout_s
-        if timeout_s is None and self.backend.is_in_virtual_time:
+        if timeout_s is None and has_no_signals(self.backend):
             timeout_s = _VIRTUAL_HANDSHAKE_S
         self._handshake.wait(
             self.backend, self._is_pending, self._is_stopping, timeout_s, self._not_active_yet
         )
+
+    def _name_threads_left(self) -> None:
+        name_threads_left(self._known_threads, self.logger)
 
     def _is_pending(self) -> bool:
         answer = self.handshake()
@@ -477,7 +518,7 @@ class BaseManager(Constructed):
                 ("release_resources", self.release_resources),
                 ("destroy_node", self.destroy_node),
                 ("backend", self.backend.close),
-                ("threads", lambda: name_threads_left(self._known_threads, self.logger)),
+                ("threads", partial(run_aside, self.backend, self._name_threads_left)),
             ],
             self.logger,
             stop,
@@ -485,7 +526,6 @@ class BaseManager(Constructed):
         )
 
 
-_TIMINGS = {"normal": run_main_loop, "precise": run_precise_loop}
 _SET_BY_CONSTRUCTOR = {
     *BaseManager.__annotations__,
     *("_has_started", "_handshake", "_processes", "_stop_requests"),

@@ -8,6 +8,7 @@ from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.entries.current import conducted
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.logger.environment import apply_environment
 from rosbase.roles.context import ManagerContext
@@ -41,13 +42,18 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     Raises:
         NotInstalledError: No backend of that name is installed.
     """
-    if isinstance(backend, Backend):
-        return backend
+    opened = backend if isinstance(backend, Backend) else _open(backend, options)
+    if opened.conductor is not None:
+        opened.conductor.begin(opened)
+    return opened
+
+
+def _open(name: str | None, options: BackendOptions) -> Backend:
     # Only now: finding plugins takes longer than everything else that `import rosbase` does.
     from rosbase.plugins import installed_plugins
 
-    options = evolve(options, is_child=is_child())
-    return installed_plugins().backend(backend_name(backend)).create(options)
+    options = evolve(options, is_child=is_child(), clock=conducted(options.clock))
+    return installed_plugins().backend(backend_name(name)).create(options)
 
 
 def open_logger(
@@ -86,6 +92,7 @@ def connect(
     if not key or (is_lifecycle and key == manager._registration.node_name):
         return manager.backend, manager.logger
     node = manager.backend.open_node(key, is_lifecycle=is_lifecycle)
+    manager.backend.connections.append(node)
     if manager._registration.has_custom_logger:
         # A class of the application may open a file: one is enough.
         return node, manager.logger

@@ -1,6 +1,9 @@
 """The node: communication and caching, with a manager or standalone, with the same code."""
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from attrs import evolve
@@ -9,6 +12,7 @@ from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.control.programs import may_be_offered, offered
 from rosbase.errors import ParameterError
@@ -22,12 +26,20 @@ from rosbase.parameters import (
 from rosbase.parameters.given import are_inherited, given_parameters
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
-from rosbase.roles.connection import connect, lone_node_name, open_backend, open_logger
+from rosbase.roles.connection import connect, lone_node_name
 from rosbase.roles.construction import Constructed, constructor
 from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.latest import Latest
 from rosbase.roles.program import NodeProgram
+from rosbase.roles.recording import (
+    end_recording,
+    follow_stops,
+    has_no_signals,
+    note_interruption,
+    open_program,
+    recorded,
+)
 from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -51,6 +63,8 @@ class BaseNode(Constructed, Component):
     _plain_methods: ClassVar[tuple[str, ...]] = ("release_resources", "destroy_node")
     _is_lifecycle: ClassVar[bool] = False
     """Whether other programs see it as a node of its own name."""
+    _recording: Recording | None = None
+    """Recording of a standalone node."""
     _connection: NodeConnection
     """Connection for its own topics, timers and parameters."""
 
@@ -64,6 +78,7 @@ class BaseNode(Constructed, Component):
         custom_logger: Callable[[str], Any] | None = None,
         parameter_defaults: Mapping[str, ParameterValue] | None = None,
         control: bool = True,
+        record: str | Path | RecordOptions | None = None,
         **kwargs: Any,
     ) -> None:
         """Attach to the manager, or open a connection.
@@ -79,6 +94,8 @@ class BaseNode(Constructed, Component):
                 that node of a manager alone.
             control: Whether programs of this user, such as `rosbase topic list`, can look at a
                 standalone node and operate it while it runs. `ROSBASE_CONTROL=off` turns it off.
+            record: File to which a standalone node is recorded, or options with such a file; by
+                default what `rosbase run --record` says. It needs rosbase-mcap.
             kwargs: Arguments that the manager forwards; ignored here. A standalone node warns of
                 those that its class does not name.
         """
@@ -95,8 +112,11 @@ class BaseNode(Constructed, Component):
             )
             return
         name = self._program_name = node_name or lone_node_name(self)
-        self._connection = self._backend = open_backend(backend, BackendOptions(node_name=name))
-        self.logger = open_logger(self._backend, name, custom_logger)
+        options = BackendOptions(node_name=name)
+        opened = open_program(record, backend, options, custom_logger)
+        self._backend, self.logger, self._recording = opened
+        follow_stops(self._backend, self._stop_now)
+        self._connection = self._backend
         self._program = NodeProgram(self)
         self._is_offered = may_be_offered(self._backend, wanted=control)
         warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
@@ -278,14 +298,15 @@ class BaseNode(Constructed, Component):
         """
         if self.manager is not None:
             raise RuntimeError("a node with a manager is run by the manager")
-        if self._backend.is_in_virtual_time:
+        executor = self._backend.executor
+        if has_no_signals(self._backend):
             # The signals of a test are its runner's.
-            executor = self._backend.executor
             with limit_real_time(executor.clock, executor.call_urgently):
                 self._run(None)
             return
+        request_stop = partial(executor.in_signal, self._request_stop)
         with (
-            stop_on_signals(self._request_stop, self._backend.executor.call_urgently) as stop,
+            stop_on_signals(request_stop, executor.call_urgently) as stop,
             offered(self._program if self._is_offered else None, self.logger),
         ):
             self._run(stop)
@@ -347,8 +368,13 @@ class BaseNode(Constructed, Component):
         """Release the resources of a constructor that failed."""
         if self.__dict__.get("manager") is None and hasattr(self, "_backend"):
             self._backend.close()
+            end_recording(self._recording, self._backend, sys.exc_info()[1])
 
     def _run(self, stop: StopSignals | None) -> None:
+        with recorded(self._recording, self._backend):
+            self._run_through(stop)
+
+    def _run_through(self, stop: StopSignals | None) -> None:
         try:
             self._backend.executor.begin(lambda: self._stop_requested)
             self._backend.begin_run(self._request_stop)
@@ -360,6 +386,7 @@ class BaseNode(Constructed, Component):
                 deadline_ns = self._backend.clock.monotonic_ns() + _NS_PER_S
                 self._backend.spin_until(deadline_ns, lambda: self._stop_requested)
         except BaseException as error:
+            note_interruption(self._backend, error)
             failure = self._shut_down(stop)
             if not is_wish(error, stop):
                 raise
@@ -396,5 +423,8 @@ class BaseNode(Constructed, Component):
         )
 
     def _request_stop(self) -> None:
+        self._backend.executor.stop_soon(self._stop_now)
+
+    def _stop_now(self) -> None:
         self._stop_requested = True
         self._backend.call_soon(lambda: None)

@@ -5,12 +5,17 @@ The node has the callbacks, and `last_error` for their reasons.
 
 import threading
 from collections.abc import Callable
-from typing import Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Protocol
 
 from rosbase.clock import Clock
+from rosbase.entries.conductor import conductor_of
 from rosbase.errors import ServiceStoppedError, TransitionNotAvailableError
 from rosbase.lifecycle import CALLBACKS, CallbackReturn, Machine, State, TransitionEvent
 from rosbase.logger import RosbaseLogger
+
+if TYPE_CHECKING:
+    from rosbase.roles.transition_entrance import TransitionEntrance
 
 __all__ = ["Transitions"]
 
@@ -40,6 +45,7 @@ class Transitions:
         self._since_ns: int | None = None
         self._interrupt: BaseException | None = None
         self._listeners: list[Callable[[TransitionEvent], object]] = []
+        self._entrance = self._make_entrance()
 
     @property
     def is_on_this_thread(self) -> bool:
@@ -74,7 +80,10 @@ class Transitions:
             TransitionNotAvailableError: It does not start at this state, or another one is
                 running.
         """
-        return self._drive(lambda: self._machine.request(transition_id, label))
+        drive = partial(self._drive, lambda: self._machine.request(transition_id, label))
+        if self._entrance is None or self._entrance.is_inside:
+            return drive()
+        return self._entrance.request(transition_id, label, drive)
 
     def raise_error(self, error: BaseException) -> CallbackReturn:
         """Run `on_error` for a fault outside of any transition; return its result.
@@ -91,7 +100,17 @@ class Transitions:
             node.logger.error(f"{node._prefix}error in {previous.label}: {_described(error)}")
             return event
 
-        return self._drive(begin)
+        if self._entrance is None or self._entrance.is_inside:
+            return self._drive(begin)
+        return self._entrance.raise_error(error, partial(self._drive, begin))
+
+    def _make_entrance(self) -> "TransitionEntrance | None":
+        conductor = conductor_of(self._clock)
+        if conductor is None:
+            return None
+        from rosbase.roles.transition_entrance import TransitionEntrance
+
+        return TransitionEntrance(conductor, type(self._node).__qualname__, self)
 
     def _drive(self, begin: Callable[[], TransitionEvent]) -> CallbackReturn:
         if not self._lock.acquire(blocking=False):

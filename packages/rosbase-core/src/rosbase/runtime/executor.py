@@ -8,18 +8,24 @@ import heapq
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from itertools import count
 from threading import get_ident
+from typing import TypeAlias
 
 from rosbase.clock import Clock
 from rosbase.errors import BackendError
 
-__all__ = ["Executor", "ExecutorTimer", "GuestCall"]
+__all__ = ["Description", "Executor", "ExecutorTimer", "GuestCall"]
 
 _NS_PER_S = 1_000_000_000
 _FEW_ENTRIES = 64
 _LONGEST_S = 1e6
 _FOR_EVER_NS = 1 << 62
+
+
+Description: TypeAlias = tuple[int, tuple[int, ...], bytes | Callable[[], bytes]]
+"""Kind of an entry, its numbers, and its payload."""
 
 
 class ExecutorTimer:
@@ -162,6 +168,34 @@ class Executor:
         """
         self.call_soon(GuestCall(function))
 
+    def call_from_outside(
+        self, function: Callable[[], object], describe: Callable[[], Description]
+    ) -> None:
+        """Queue a call as `call_as_guest`; a recording also has the content of the request.
+
+        Args:
+            function: The call.
+            describe: Returns the content, only while the program is recorded: the kind of the
+                entry, its numbers and its payload (`rosbase.entries`).
+        """
+        self.call_as_guest(function)
+
+    def call_aside(self, function: Callable[[], object]) -> None:
+        """Queue upkeep of a backend, of which no callback of the program knows."""
+        self.call_soon(function)
+
+    def stop_soon(self, function: Callable[[], object]) -> None:
+        """Call a function that requests a stop: at once, or in a recording once it may come in."""
+        function()
+
+    def in_signal(self, function: Callable[[], object]) -> None:
+        """Call a function in a signal handler, which may have interrupted anything."""
+        function()
+
+    def let_others(self) -> AbstractContextManager[None]:
+        """Return a context in which a thread other than the spinning one may wait for it."""
+        return nullcontext()
+
     def call_urgently(self, function: Callable[[], object]) -> None:
         """Queue a call that runs even during `wait`. It takes no lock, as `call_soon`."""
         self._urgent.append(function)
@@ -220,7 +254,7 @@ class Executor:
         """
         if self._closed:
             raise BackendError("the backend is closed")
-        timer = ExecutorTimer(self, period_ns, callback)
+        timer = self._new_timer(period_ns, callback)
         timer.reset()
         return timer
 
@@ -231,8 +265,7 @@ class Executor:
             if timer.is_destroyed or self._closed:
                 return
             self._push(deadline_ns, timer)
-        if self._sleeping:
-            self.call_soon(_nothing)
+        self.wake()
 
     def cancel_timer(self, timer: ExecutorTimer, *, destroy: bool = False) -> None:
         """Stop the timer from firing; with `destroy`, even if it is reset."""
@@ -286,6 +319,9 @@ class Executor:
             self._closed = True
             for _, _, timer in self.timers:
                 timer.serial = None
+
+    def _new_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
+        return ExecutorTimer(self, period_ns, callback)
 
     def _run_urgent(self) -> None:
         """Run an urgent call, unless a wait has run it."""
@@ -347,7 +383,3 @@ class Executor:
 def _never() -> bool:
     """Return false: nobody has asked for a stop."""
     return False
-
-
-def _nothing() -> None:
-    """Do nothing: called to wake the spinning thread for a new timer."""

@@ -42,6 +42,11 @@ class Waiting:
         if executor.is_on_own_thread:
             executor.wait(done, deadline_ns, _LOOK_S)
             return
+        with executor.let_others():
+            self._sleep_until(done, timeout_s, deadline_ns)
+
+    def _sleep_until(self, done: Callable[[], object], timeout_s: float, deadline_ns: int) -> None:
+        executor = self._executor
         begin_ns = self._machine.monotonic_ns()
         sleeper = threading.Event()
         with self._lock:

@@ -80,9 +80,9 @@ def _call(_: Session, request: Request) -> Later:
         raise ControlError(f"{program.name} is stopping", "refused")
     call = _ServiceCall(request, backend, full_name, kind, responses.encode)
     timeout_ns = request.whole("timeout_ns", DEFAULT_TIMEOUT_NS, 1)
-    request.arguments["timeout_ns"] = timeout_ns + _GRACE_NS
-    later = request.wait(partial(call.give_up, program))
-    backend.executor.call_as_guest(partial(call.begin, question, timeout_ns))
+    later = request.wait(partial(call.give_up, program), grace_ns=_GRACE_NS)
+    begin = partial(call.begin, question, timeout_ns)
+    backend.executor.call_from_outside(begin, request.describe)
     return later
 
 
@@ -117,7 +117,7 @@ class _ServiceCall:
 
     def begin(self, question: Any, timeout_ns: int) -> None:
         """Send the request. Called by the main loop."""
-        if not self._claim.take():
+        if not self._claim.take_on_loop(self._backend.conductor):
             return
         self._begin_ns = _CLOCK.monotonic_ns()
         try:

@@ -7,25 +7,33 @@ from rosbase.contracts.backend import Backend, Publisher
 from rosbase.control.answers.ends import find_topic, format_of, program_for, type_class
 from rosbase.control.on_loop import on_loop
 from rosbase.control.programs import Program
-from rosbase.control.requests import Reply, Request
+from rosbase.control.requests import Reply, Request, control_entry
 from rosbase.control.session import Session
 from rosbase.errors import BackendError, ControlError, WireError
 from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ["publish"]
+__all__ = ["CLOSE", "close_again", "publish"]
+
+CLOSE = "topic.publish.close"
+"""What a recording calls the end of a publisher. No client asks it."""
 
 _KEPT = "topic.publish"
+_MADE = "topic.publish.made"
 _MOST_PUBLISHERS = 64
 
 
 class _ClientPublisher:
     """A publisher, and the way from bytes to its messages."""
 
-    def __init__(self, program: Program, backend: Backend, publisher: Publisher[Any], form: Any):
-        self._program = program
+    def __init__(self, session: Session, backend: Backend, publisher: Publisher[Any], form: Any):
+        self._session = session
         self._backend = backend
         self._publisher = publisher
         self._decode = form.decode
+        # Called on the main loop alone, as in a replay, which finds it by its number.
+        made: list[_ClientPublisher] = session.kept.setdefault(_MADE, [])
+        self._number = len(made)
+        made.append(self)
 
     def publish(self, data: bytes) -> dict[str, Any]:
         """Publish a message, if there is one; return how many subscriptions there are."""
@@ -42,7 +50,14 @@ class _ClientPublisher:
     def close(self) -> None:
         """Destroy the publisher, on the main loop."""
         end = partial(self._backend.destroy_publisher, self._publisher)
-        self._backend.executor.call_as_guest(end)
+        asked: dict[str, Any] = {"ask": CLOSE, "publisher": self._number}
+        describe = partial(control_entry, self._session, asked, b"")
+        self._backend.executor.call_from_outside(end, describe)
+
+
+def close_again(session: Session, request: Request) -> None:
+    """Close a publisher in a replay, as its client did."""
+    session.kept[_MADE][request.whole("publisher")].close()
 
 
 def publish(session: Session, request: Request) -> Reply:
@@ -65,7 +80,7 @@ def publish(session: Session, request: Request) -> Reply:
             publisher = backend.create_publisher(kind, name, profile)
         except BackendError as error:
             raise ControlError(str(error), "invalid") from None
-        made = _ClientPublisher(program, backend, publisher, form)
+        made = _ClientPublisher(session, backend, publisher, form)
         session.call(partial(_keep, session, key, made))
         return made.publish(request.data)
 

@@ -1,6 +1,7 @@
 """The names and types of the standard services, without importing any of them."""
 
 from collections.abc import Mapping
+from importlib import import_module
 
 __all__ = [
     "LIFECYCLE",
@@ -8,6 +9,7 @@ __all__ = [
     "PARAMETER_EVENT",
     "TRANSITION_EVENT",
     "TYPES",
+    "class_of",
     "standard_type",
 ]
 
@@ -53,3 +55,10 @@ TYPES: Mapping[str, Mapping[str, str]] = {
 def standard_type(kind: str, service: str) -> str:
     """Return the type of a service; empty if there is none of that name and kind."""
     return TYPES.get(kind, {}).get(service, "")
+
+
+def class_of(type_name: str) -> type:
+    """Return the class of that name, as the catalog has it."""
+    module, _, own = type_name.rpartition(".")
+    found: type = getattr(import_module(module), own)
+    return found

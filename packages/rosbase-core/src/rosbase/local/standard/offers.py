@@ -3,8 +3,7 @@
 import threading
 from collections.abc import Sequence
 from functools import partial
-from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rosbase.contracts.backend import Backend, Publisher
 from rosbase.contracts.parameter_store import ParameterStore
@@ -13,10 +12,20 @@ from rosbase.errors import ServiceFailedError
 from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.bus import Bus
 from rosbase.local.service_registry import type_name
-from rosbase.local.standard.catalog import LIFECYCLE, PARAMETER_EVENT, PARAMETERS, TRANSITION_EVENT
+from rosbase.local.standard.catalog import (
+    LIFECYCLE,
+    PARAMETER_EVENT,
+    PARAMETERS,
+    TRANSITION_EVENT,
+    class_of,
+)
 from rosbase.local.standard.node_parameters import NodeParameters
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import Parameter
+
+if TYPE_CHECKING:
+    from rosbase.contracts.graph import TopicEnd
+    from rosbase.local.standard.entrance import StandardEntrance
 
 __all__ = ["StandardOffers"]
 
@@ -56,6 +65,7 @@ class StandardOffers:
         self._is_closed = False
         self._lock = threading.Lock()
         self._events: dict[str, Publisher[Any]] = {}
+        self._entrance = self._make_entrance()
         bus.services.add_standard(self)
         store.add_listener(self._publish_parameters)
 
@@ -77,6 +87,7 @@ class StandardOffers:
             return
         managed.add_transition_listener(partial(self._publish, node))
         self._bus.services.standard_changed(node, LIFECYCLE)
+        self._backend.new_ends.tell(partial(_transition_end, node))
 
     def parameters_of(self, prefix: str) -> NodeParameters:
         """Return the parameters of the node whose names in the store have the prefix."""
@@ -99,6 +110,12 @@ class StandardOffers:
 
     def take(self, node: str, kind: str, service: str, call: ServiceRequest) -> None:
         """Answer a request soon. Call it from any thread."""
+        if self._entrance is None or self._entrance.is_inside:
+            self._take(node, kind, service, call)
+        else:
+            self._entrance.let_in(node, kind, service, call)
+
+    def _take(self, node: str, kind: str, service: str, call: ServiceRequest) -> None:
         with self._lock:
             if self._is_closed:
                 found = None
@@ -120,6 +137,14 @@ class StandardOffers:
         for services in made.values():
             for service in services.values():
                 service.close()
+
+    def _make_entrance(self) -> "StandardEntrance | None":
+        conductor = self._backend.conductor
+        if conductor is None:
+            return None
+        from rosbase.local.standard.entrance import StandardEntrance
+
+        return StandardEntrance(conductor, self._take)
 
     def _make(self, node: str, kind: str) -> dict[str, ServiceServer]:
         from rosbase.local.standard.node_services import make_services
@@ -164,18 +189,32 @@ class StandardOffers:
 
     def _heard_type(self, topic: str, kind: str) -> type | None:
         """Return the class of a topic if it has subscriptions of that type, or a tap."""
+        heard = self._find_heard(topic, kind)
+        conductor = self._backend.conductor
+        if conductor is None:
+            return heard
+        # In a replay, nobody listens who does not belong to the program.
+        is_heard = conductor.fact(lambda: heard is not None)
+        return heard or class_of(kind) if is_heard else None
+
+    def _find_heard(self, topic: str, kind: str) -> type | None:
         if self._is_closed:
             return None
         heard = self._bus.heard_type(topic)
         if heard is None and self._bus.is_tapped(topic):
-            module, _, name = kind.rpartition(".")
-            heard = getattr(import_module(module), name)
+            heard = class_of(kind)
         return heard if heard is not None and type_name(heard) == kind else None
 
     def _publisher(self, heard: type, topic: str, depth: int) -> Publisher[Any]:
         if topic not in self._events:
             self._events[topic] = self._backend.create_publisher(heard, topic, depth)
         return self._events[topic]
+
+
+def _transition_end(node: str) -> "TopicEnd":
+    from rosbase.local.graph import transition_end
+
+    return transition_end(node)
 
 
 class _Offer:

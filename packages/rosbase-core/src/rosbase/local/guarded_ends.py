@@ -1,0 +1,95 @@
+"""Publishers and subscriptions of a recorded program.
+
+What other threads publish, and what comes from links and from other backends of the process, comes
+in as an entry. On the thread that runs the program, they are as all others.
+"""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, TypeAlias
+
+from rosbase.entries.conductor import Conductor
+from rosbase.entries.entrance import Entrance, Form
+from rosbase.entries.kinds import Kind
+from rosbase.local.endpoints import LocalPublisher, LocalSubscription, publisher_class
+from rosbase.qos import QoSProfile
+
+__all__ = ["FindForm", "GuardedSubscription", "guarded_publisher"]
+
+FindForm: TypeAlias = Callable[[type], Form]
+"""Returns the form of a class of messages. TypeError if it has no schema."""
+
+
+class GuardedSubscription(LocalSubscription):
+    """A subscription whose messages from outside are entries."""
+
+    __slots__ = ("_entrance",)
+
+    def __init__(
+        self,
+        topic: str,
+        callback: Callable[[Any], object],
+        profile: QoSProfile,
+        schedule: Callable[[Callable[[], object]], None],
+        entrance: Callable[[Callable[[Any], object]], Entrance],
+    ) -> None:
+        """Prepare a subscription.
+
+        Args:
+            topic: As for `LocalSubscription`.
+            callback: Likewise.
+            profile: Likewise.
+            schedule: Likewise.
+            entrance: Returns its entrance, for a function that takes messages in a replay.
+        """
+        super().__init__(topic, callback, profile, schedule)
+        self._entrance = entrance(super().deliver)
+
+    def deliver(self, message: Any) -> None:
+        """Queue a message, from any thread; drop the oldest if the queue is full."""
+        if self._entrance.is_inside:
+            super().deliver(message)
+        else:
+            self._entrance.let_in(message, super().deliver)
+
+
+def guarded_publisher(
+    conductor: Conductor, find_form: FindForm, topic: str, msg_type: type, profile: QoSProfile
+) -> LocalPublisher:
+    """Create a publisher whose messages of other threads are entries.
+
+    Args:
+        conductor: The conductor of the program.
+        find_form: Finds the form of its messages.
+        topic: As for `make_publisher`.
+        msg_type: Likewise.
+        profile: Likewise.
+    """
+    kind: Any = publisher_class(msg_type, profile)
+    publisher: LocalPublisher = _guarded(kind)(topic, msg_type, profile)
+    publisher._entrance = Entrance(  # type: ignore[attr-defined]  # which only this class has
+        conductor,
+        Kind.PUBLISH,
+        topic,
+        partial(find_form, msg_type),
+        partial(kind.publish, publisher),
+    )
+    return publisher
+
+
+@cache
+def _guarded(kind: Any) -> Any:
+    """Return a class of publishers as a guarded one."""
+
+    class Guarded(kind):  # type: ignore[misc]  # one for each kind
+        __slots__ = ("_entrance",)
+
+        def publish(self, message: Any) -> None:
+            """Queue the message for every matching subscription. Call it from any thread."""
+            # A message of another type is refused as ever.
+            if self._entrance.is_inside or not isinstance(message, self._msg_type):
+                super().publish(message)
+            else:
+                self._entrance.let_in(message, super().publish)
+
+    return Guarded

@@ -1,0 +1,34 @@
+"""The date of records: the machine's, unless the program is recorded or replayed.
+
+Then it comes from the clock of the program, so that a replay says the same lines.
+"""
+
+import logging
+from collections.abc import Callable
+
+__all__ = ["date_at", "date_by", "set_date"]
+
+_NS_PER_S, _NS_PER_MS = 1_000_000_000, 1_000_000
+
+_dates: list[Callable[[], int]] = []
+
+
+def date_by(now_ns: Callable[[], int] | None) -> None:
+    """Take the dates of all records from this function; None ends it.
+
+    It is called on any thread that logs, and returns nanoseconds since 1970.
+    """
+    _dates[:] = [] if now_ns is None else [now_ns]
+
+
+def set_date(record: logging.LogRecord) -> None:
+    """Date a record by the function, if there is one."""
+    # Another thread may end it meanwhile, so nothing is looked up twice.
+    for now_ns in _dates:
+        date_at(record, now_ns())
+
+
+def date_at(record: logging.LogRecord, date_ns: int) -> None:
+    """Give a record a date, in nanoseconds since 1970."""
+    record.created = date_ns / _NS_PER_S
+    record.msecs = date_ns % _NS_PER_S // _NS_PER_MS + 0.0

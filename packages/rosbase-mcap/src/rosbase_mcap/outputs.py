@@ -1,0 +1,63 @@
+"""What a program has published, in order: what two runs of it must have in common. Pure."""
+
+import hashlib
+import struct
+from collections.abc import Collection
+from typing import NamedTuple
+
+from rosbase_mcap.log_channel import LOG_TOPIC
+
+__all__ = ["Digest", "Output", "number_in_file"]
+
+_PREFIX = struct.Struct("<III")
+_NUMBERS = 1 << 32
+
+
+class Output(NamedTuple):
+    """A message that came from within a program."""
+
+    number: int
+    """Number of the entry in which it came, as `number_in_file` has it."""
+    topic: str
+    """Full name of its topic."""
+    log_ns: int
+    """When it was published, in nanoseconds since 1970."""
+    data: bytes
+    """The message as CDR."""
+
+
+def number_in_file(number: int) -> int:
+    """Return the number of an entry as the sequence number of a message has it: 32 bits."""
+    return number % _NUMBERS
+
+
+class Digest:
+    """The SHA-256 of all outputs, so that two runs are compared by one number.
+
+    The log does not count: tracebacks and lines of the program's source are in it, and differ
+    between versions of Python. Nor do dates count: a replay reads them from the recording.
+    """
+
+    def __init__(self, leave_out: Collection[str] = (LOG_TOPIC,)) -> None:
+        """Begin.
+
+        Args:
+            leave_out: Topics that do not count.
+        """
+        self._hash = hashlib.sha256()
+        self._leave_out = frozenset(leave_out)
+        self._names: dict[str, bytes] = {}
+
+    def add(self, number: int, topic: str, data: bytes) -> None:
+        """Add an output. They count in their order."""
+        if topic in self._leave_out:
+            return
+        name = self._names.get(topic)
+        if name is None:
+            name = self._names[topic] = topic.encode()
+        self._hash.update(_PREFIX.pack(number % _NUMBERS, len(name), len(data)) + name + data)
+
+    @property
+    def hexdigest(self) -> str:
+        """The digest of the outputs so far, in hexadecimal."""
+        return self._hash.hexdigest()

@@ -1,0 +1,1 @@
+"""Replays of recordings: what a file has for them, and what is compared."""

@@ -1,0 +1,139 @@
+"""The files of a recorded run: its trace, and what it has published."""
+
+from collections.abc import Generator, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from attrs import evolve, frozen
+
+from rosbase.entries.trace import TraceBlock
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
+from rosbase_mcap.commands.opened import opened
+from rosbase_mcap.errors import McapError
+from rosbase_mcap.outputs import Output
+from rosbase_mcap.reading import contents, messages, read_summary
+from rosbase_mcap.recorder import LOSSES
+from rosbase_mcap.records import PREFIX, Attachment, Channel, Metadata, Schema
+from rosbase_mcap.splitting import part_path
+from rosbase_mcap.traces import END, RUN, Run, RunEnd, blocks_of, is_trace, read_end, read_run
+
+__all__ = ["RunFile", "open_run"]
+
+
+class RunFile:
+    """A recorded run, in one file or several. Files that were cut off are read as they are."""
+
+    def __init__(self, run: Run, paths: list[Path], end: RunEnd | None, lost: int) -> None:
+        self.run = run
+        """What is known of the run."""
+        self.paths = paths
+        """Its files, in their order."""
+        self.end = end
+        """What is known of its end; None for a run that was killed."""
+        self.lost = lost
+        """How many messages are missing, because the disk was too slow or full."""
+        self.schemas: dict[str, Schema] = {}
+        """Schema of each topic that `outputs` has come to."""
+
+    def blocks(self) -> Iterator[TraceBlock]:
+        """Yield the blocks of the trace, up to the first that is missing or damaged."""
+        yield from blocks_of(self._attachments())
+
+    def outputs(self) -> Generator[Output, None, None]:
+        """Yield what the program has published, in its order."""
+        for path in self.paths:
+            with opened(path) as stream:
+                for entry in messages(stream):
+                    channel, message = entry.channel, entry.message
+                    if channel.metadata.get(ORIGIN) == OUTSIDE:
+                        continue
+                    topic = channel.topic
+                    if entry.schema is not None and topic not in self.schemas:
+                        self.schemas[topic] = entry.schema
+                    yield Output(message.sequence, topic, message.log_ns, message.data)
+
+    def _attachments(self) -> Iterator[Attachment]:
+        for path in self.paths:
+            with opened(path) as stream:
+                yield from _traces(stream)
+
+
+def open_run(path: Path) -> RunFile | None:
+    """Return the run that a file has recorded; None if it is a recording without a trace.
+
+    Args:
+        path: Its first file, or its only one.
+
+    Raises:
+        NotMcapError: It is no recording.
+        McapError: It cannot be read, is not the first file, or is of a later format.
+    """
+    first = _part(path)
+    if first.run is None:
+        return None
+    if first.run.part:
+        raise McapError(f"{path} is file {first.run.part + 1} of a recording: give the first one")
+    parts = [first]
+    while parts[-1].end is None:
+        following = part_path(path, len(parts))
+        found = _part(following) if following.exists() else None
+        # The file may be of another recording, whose name is like that of a part.
+        if found is None or found.run != evolve(first.run, part=len(parts)):
+            break
+        parts.append(found)
+    paths = [part.path for part in parts]
+    return RunFile(first.run, paths, parts[-1].end, sum(part.lost for part in parts))
+
+
+@frozen
+class _Part:
+    path: Path
+    run: Run | None
+    end: RunEnd | None
+    lost: int
+
+
+def _part(path: Path) -> _Part:
+    """Return what a file says of its run."""
+    end: RunEnd | None = None
+    lost = 0
+    with opened(path) as stream:
+        run = _run(stream)
+        for metadata in _ending(stream):
+            if metadata.name == END:
+                end = read_end(metadata)
+            else:
+                with suppress(KeyError, ValueError):
+                    lost += int(metadata.values["messages"])
+    return _Part(path, run, end, lost)
+
+
+def _run(stream: BinaryIO) -> Run | None:
+    """Return what the start of a file says: before its first message."""
+    for content in contents(stream):
+        if isinstance(content, Metadata) and content.name == RUN:
+            return read_run(content)
+        if not isinstance(content, (Metadata, Schema, Channel)):
+            return None
+    return None
+
+
+def _ending(stream: BinaryIO) -> Iterator[Metadata]:
+    """Yield the metadata of a file that is whole; what was cut off has none of its end."""
+    summary = read_summary(stream)
+    for index in summary.metadata if summary else ():
+        if index.name in (END, LOSSES):
+            stream.seek(index.offset + PREFIX.size)
+            yield Metadata.read(stream.read(index.length - PREFIX.size))
+
+
+def _traces(stream: BinaryIO) -> Iterator[Attachment]:
+    summary = read_summary(stream)
+    if summary is None:
+        yield from (one for one in contents(stream) if isinstance(one, Attachment))
+        return
+    for index in summary.attachments:
+        if is_trace(index.attachment):
+            stream.seek(index.offset + PREFIX.size)
+            yield Attachment.read(stream.read(index.length - PREFIX.size))

@@ -1,0 +1,227 @@
+"""One replay in this process: from a file to what the program has published."""
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import ExitStack, closing, contextmanager
+from itertools import chain
+from typing import Any, TypeAlias
+
+from attrs import evolve
+
+from rosbase import Clock, ConfigurationError, make_logger
+from rosbase.entries.conductor import Conductor
+from rosbase.entries.current import conduct_next
+from rosbase.entries.kinds import Kind
+from rosbase.entries.replaying.pace import Pace
+from rosbase.entries.replaying.player import Player
+from rosbase.entries.script import Entry, read_entries
+from rosbase.entries.sink import RunFacts
+from rosbase_mcap.bags import Bag, is_mcap, open_bag
+from rosbase_mcap.outputs import Digest, Output
+from rosbase_mcap.records import Schema
+from rosbase_mcap.replaying.difference import Comparison, Difference, Flow
+from rosbase_mcap.replaying.late_pace import LatePace
+from rosbase_mcap.replaying.listener import Listener
+from rosbase_mcap.replaying.options import ReplayOptions, check_options
+from rosbase_mcap.replaying.outcome import Outcome
+from rosbase_mcap.replaying.run_file import RunFile, open_run
+from rosbase_mcap.replaying.topic_feed import TopicFeed
+
+__all__ = ["Session"]
+
+_Make: TypeAlias = Callable[[Clock], Conductor]
+
+
+class Session:
+    """Replays the next program of this process."""
+
+    def __init__(
+        self,
+        options: ReplayOptions,
+        hear: Callable[[Output], object] = lambda output: None,
+        *,
+        may_have_topics_only: bool = False,
+    ) -> None:
+        """Read what is known of the recording.
+
+        Args:
+            options: What the user wants.
+            hear: Takes each message of the program.
+            may_have_topics_only: Replay the topics of a recording that has nothing else.
+
+        Raises:
+            McapError: The file cannot be read.
+            ConfigurationError: It cannot be replayed in that way; the message says what can be
+                done.
+        """
+        self.run: RunFile | None = open_run(options.path) if is_mcap(options.path) else None
+        if may_have_topics_only and self.run is None and options.topics is None:
+            options = evolve(options, topics=())
+        check_options(options, self.run)
+        self.schemas: dict[str, Schema] = {}
+        """Schema of each topic of the program."""
+        self._options, self._hear = options, hear
+        self._digest, self._messages = Digest(), 0
+        self._comparison: Comparison | None = None
+        self._player: Player | None = None
+        self._last: Entry | None = None
+        self._outcome: Outcome | None = None
+
+    @contextmanager
+    def conducting(self) -> Iterator[None]:
+        """Replay the program that opens a backend in this block."""
+        with ExitStack() as stack:
+            if self._options.topics is None:
+                assert self.run is not None
+                make = self._of_all_inputs(self.run, stack)
+            else:
+                make = self._of_topics(stack.enter_context(open_bag(self._options.path)))
+            conduct_next(make)
+            try:
+                yield
+            finally:
+                conduct_next(None)
+                self._end()
+
+    @property
+    def facts(self) -> Mapping[str, Any] | None:
+        """What is known of the recorded program, if all of its inputs are replayed."""
+        if self.run is None or self._options.topics is not None:
+            return None
+        return self.run.run.facts.more
+
+    @property
+    def start_ns(self) -> int:
+        """Start of the run, in nanoseconds since 1970; 0 before it has begun."""
+        return self._player.facts.start_date_ns if self._player is not None else 0
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether there was a program to replay."""
+        return self._player is not None
+
+    @property
+    def outcome(self) -> Outcome:
+        """What has come of it. Only when the block of `conducting` has ended."""
+        assert self._outcome is not None
+        return self._outcome
+
+    def _end(self) -> None:
+        player = self._player
+        t_ns = player.machine.t_ns if player is not None else 0
+        difference = self._finish(self._comparison, player) if player is not None else None
+        counts = self._digest.hexdigest, self._messages
+        self._outcome = Outcome(difference, self._cut_short(), *counts, t_ns)
+
+    def _of_all_inputs(self, run: RunFile, stack: ExitStack) -> _Make:
+        start_ns = run.run.facts.start_date_ns
+        # Generators that are not closed keep files open.
+        outputs = stack.enter_context(closing(run.outputs()))
+        entries = stack.enter_context(closing(self._script(read_entries(run.blocks()))))
+        first = next(entries, None)
+        if first is None:
+            raise ConfigurationError(
+                f"{self._options.path} has no entry: its program was killed in the first second"
+            )
+        script = chain([first], entries)
+        self._comparison = Comparison(outputs, run.schemas, start_ns, context=self._context)
+        listener = Listener(run.run.topics, self._declare, self._take)
+
+        def make(clock: Clock) -> Player:
+            self._player = Player(script, run.run.facts, sink=listener, pace=self._pace())
+            return self._player
+
+        return make
+
+    def _of_topics(self, bag: Bag) -> _Make:
+        options = self._options
+        first_ns = self.run.run.facts.start_date_ns if self.run is not None else bag.start_ns
+        start_ns = first_ns + options.start_ns
+        end_ns = None if options.end_ns is None else first_ns + options.end_ns
+        feed = TopicFeed(
+            bag, options.topics or (), make_logger("replay"), start_ns=start_ns, end_ns=end_ns
+        )
+        listener = Listener((), self._declare, self._take, on_begin=feed.begin)
+        facts = RunFacts(start_ns, 0)
+        rate = options.rate
+
+        def make(clock: Clock) -> Player:
+            pace = Pace(rate) if rate is not None else None
+            inputs = feed.inputs()
+            self._player = Player((), facts, sink=listener, pace=pace, inputs=inputs)
+            return self._player
+
+        return make
+
+    def _pace(self) -> Pace | None:
+        rate = self._options.rate
+        return None if rate is None else LatePace(rate, self._options.start_ns)
+
+    def _script(self, entries: Iterable[Entry]) -> Generator[Entry, None, None]:
+        end_ns = self._options.end_ns
+        for entry in entries:
+            if end_ns is not None and entry.t_ns > end_ns:
+                return
+            self._last = entry
+            yield entry
+
+    def _declare(self, topic: str, schema: Schema) -> None:
+        self.schemas[topic] = schema
+        if self._comparison is not None:
+            self._comparison.declare(topic, schema)
+
+    def _take(self, output: Output) -> None:
+        player = self._player
+        if player is None or self._is_behind_the_end(player):
+            return
+        self._messages += 1
+        self._digest.add(output.number, output.topic, output.data)
+        if self._comparison is not None:
+            self._note_flow(self._comparison, player)
+            self._comparison.hear(output)
+        self._hear(output)
+
+    def _is_behind_the_end(self, player: Player) -> bool:
+        """Return whether the script is over, and the program only ends."""
+        is_over = player.is_free and player.difference is None
+        return is_over and self._options.topics is None
+
+    def _note_flow(self, comparison: Comparison, player: Player) -> None:
+        flow = player.difference
+        if flow is not None and not comparison.has_other_flow:
+            lines = [f"before: {', '.join(flow.before)}"] if flow.before else []
+            lines += [f"hint: {flow.hint}"] if flow.hint else []
+            comparison.differ_in_flow(Flow(flow.what, flow.number, flow.t_ns, tuple(lines)))
+
+    def _context(self) -> tuple[str, ...]:
+        player = self._player
+        if player is None:
+            return ()
+        now, recorded = player.reads
+        lines = [f"before: {', '.join(player.recent())}"]
+        if now > recorded:
+            lines.append(
+                f"hint: this entry read the clock {now} times, {recorded} in the recording"
+            )
+        return tuple(lines)
+
+    def _finish(self, comparison: Comparison | None, player: Player) -> Difference | None:
+        if comparison is None:
+            return None
+        self._note_flow(comparison, player)
+        last = self._last
+        is_whole = last is not None and last.kind == Kind.END
+        end_ns = None
+        if last is not None and not is_whole:
+            end_ns = player.facts.start_date_ns + last.t_ns
+        return comparison.finish(player.entry.number, end_ns)
+
+    def _cut_short(self) -> str:
+        player, last = self._player, self._last
+        if player is None or last is None or self._options.topics is not None:
+            return ""
+        if player.spoiled:
+            return player.spoiled
+        if player.was_interrupted:
+            return "it was stopped"
+        is_whole = last.kind == Kind.END or self._options.end_ns is not None
+        return "" if is_whole else "the recording has no end: its program was killed"

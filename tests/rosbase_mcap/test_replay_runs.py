@@ -1,0 +1,228 @@
+"""A program that is recorded while it runs, and replayed from the file."""
+
+import os
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rosbase import BaseManager, BaseNode, ConfigurationError, LifecycleNode, RecordOptions
+from rosbase.messages import Vector3
+from rosbase_mcap import replay
+from rosbase_mcap.replaying.options import ReplayOptions
+from rosbase_mcap.replaying.run_file import open_run
+from rosbase_mcap.replaying.session import Session
+
+TICKS = 40
+LONG = 300
+
+
+class Talker(BaseNode):
+    """Publishes what depends on the order of timers, and on the clock."""
+
+    gain = 1.0
+    has_second_timer = True
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.declare_parameter("speed", 1.5)
+        self.count = 0
+        self.point = self.create_publisher(Vector3, "point", 10)
+        self.out = self.create_publisher(Vector3, "out", 10)
+        self.create_subscription(Vector3, "point", self.on_point, 10)
+        self.create_timer(0.007, self.on_first)
+        if self.has_second_timer:
+            self.create_timer(0.017, self.on_second)
+
+    def on_first(self) -> None:
+        self.count += 1
+        now_s = self.get_clock().monotonic_ns() / 1e9
+        self.point.publish(Vector3(float(self.count), now_s, float(self.get_clock().now_ns())))
+
+    def on_second(self) -> None:
+        self.count = self.count * 2 % 1000
+        self.logger.info(f"the count is {self.count}")
+        self.set_parameter("speed", float(self.count))
+
+    def on_point(self, message: Vector3) -> None:
+        self.out.publish(Vector3(message.x * self.gain, message.y, message.z))
+
+
+class Robot(BaseManager):
+    """Has a thread of its own that publishes, and ends by itself."""
+
+    fails = False
+    ticks = TICKS
+
+    def __init__(self, record: Path | RecordOptions | None = None) -> None:
+        nodes = {"talker": Talker, "arm": LifecycleNode}
+        super().__init__("robot", nodes, node_freq_hz=200, record=record)
+        self.own = self.node(Talker).create_publisher(Vector3, "own", 10)
+        self.is_over = threading.Event()
+
+    def start(self) -> "Robot":
+        thread = threading.Thread(target=self.publish, name="own")
+        thread.start()
+        try:
+            self.start_main_loop_timer()
+        finally:
+            self.is_over.set()
+            thread.join()
+        return self
+
+    def publish(self) -> None:
+        number = 0
+        while not self.is_over.wait(0.003):
+            number += 1
+            self.own.publish(Vector3(float(number)))
+
+    def update_timestamp(self) -> None:
+        super().update_timestamp()
+        if self.timestamp == self.ticks:
+            if self.fails:
+                raise RuntimeError("fell over")
+            self.request_stop()
+
+
+def recorded(path: Path, **options: Any) -> Path:
+    Robot(RecordOptions(path, **options)).start()
+    return path
+
+
+def replayed() -> None:
+    Robot().start()
+
+
+@pytest.fixture
+def path(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> Path:
+    caplog.set_level("INFO")
+    return recorded(tmp_path / "run.mcap")
+
+
+@pytest.fixture(autouse=True)
+def seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Nothing here depends on it.
+    monkeypatch.setenv("PYTHONHASHSEED", "7")
+
+
+def test_a_replay_equals_its_recording(path: Path) -> None:
+    runs = [replay(path, replayed) for _ in range(2)]
+    for run in runs:
+        assert (run.difference, run.cut_short, run.error) == ("", "", None)
+    found = open_run(path)
+    assert found is not None
+    assert found.end is not None
+    assert {run.sha256 for run in runs} == {found.end.sha256}
+    assert found.end.facts.spoiled == ()
+    run = runs[0]
+    assert len(run.topic("out")) > 10
+    assert [message.x for message in run.topic("own")][:3] == [1.0, 2.0, 3.0]
+    assert [node for node, _ in run.transitions] == ["/arm"] * len(run.transitions)
+    assert run.transitions
+    assert any(event.changed_parameters for event in run.parameters)
+    assert any("the count is" in line.msg for line in run.log)
+    assert run.stamped("out")[0][0] < 0.2
+
+
+def test_a_change_in_a_handler_is_found_with_topic_time_and_field(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Talker, "gain", 1 + 1e-9)
+    lines = replay(path, replayed).difference.splitlines()
+    assert lines[0].startswith("first difference at 00:00.0")
+    assert lines[0].endswith("/out")
+    assert lines[1] == "    x: 1.0 -> 1.000000001   (recorded -> replayed)"
+    assert lines[2] == "    2 other fields are equal"
+    assert "a call" in lines[3]
+
+
+def test_a_timer_that_is_gone_is_found_and_the_replay_goes_on(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Talker, "has_second_timer", False)
+    run = replay(path, replayed)
+    assert "Talker.on_second" in run.difference
+    # What came from outside still comes.
+    assert len(run.topic("own")) > 10
+    assert len(run.topic("out")) > 10
+
+
+def test_an_error_that_ends_the_program_is_repeated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.mcap"
+    monkeypatch.setattr(Robot, "fails", True)
+    with pytest.raises(RuntimeError, match="fell over"):
+        recorded(path)
+    run = replay(path, replayed)
+    assert (repr(run.error), run.difference) == ("RuntimeError('fell over')", "")
+    monkeypatch.setattr(Robot, "fails", False)
+    assert replay(path, replayed).difference
+
+
+def test_a_recording_that_was_cut_off_is_replayed_up_to_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Longer than the time between two writes.
+    monkeypatch.setattr(Robot, "ticks", LONG)
+    path = recorded(tmp_path / "run.mcap")
+    data = path.read_bytes()
+    path.write_bytes(data[: int(len(data) * 0.6)])
+    run = replay(path, replayed)
+    assert run.difference == ""
+    assert "killed" in run.cut_short
+    assert len(run.topic("own")) > 10
+    path.write_bytes(data[:2_000])
+    with pytest.raises(ConfigurationError, match="has no entry: its program was killed"):
+        replay(path, replayed)
+
+
+def test_parts_of_a_recording_are_replayed_as_one(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "run.mcap", split_bytes=1_000)
+    run = replay(path, replayed)
+    assert (run.difference, run.cut_short) == ("", "")
+
+
+def test_topics_that_were_not_recorded_are_not_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = recorded(tmp_path / "run.mcap", topics=("point",))
+    run = replay(path, replayed)
+    assert (run.difference, run.topics) == ("", ["/point"])
+    monkeypatch.setattr(Talker, "gain", 2.0)
+    assert replay(path, replayed).difference == ""
+
+
+@pytest.mark.parametrize("end_s", [0.05, 0.1])
+def test_a_replay_ends_where_it_is_told_to(end_s: float, path: Path) -> None:
+    heard: list[int] = []
+    options = ReplayOptions(path, rate=None, end_ns=int(end_s * 1e9), checks=True)
+    session = Session(options, lambda output: heard.append(output.log_ns))
+    with session.conducting():
+        replayed()
+    outcome = session.outcome
+    assert (outcome.difference, outcome.cut_short) == (None, "")
+    assert (max(heard) - session.start_ns) / 1e9 < end_s + 0.001
+
+
+def test_only_chosen_topics_are_kept_in_memory(path: Path) -> None:
+    run = replay(path, replayed, keep=["out"])
+    assert run.topics == ["/out"]
+    assert run.difference == ""
+
+
+def test_a_function_without_a_program_is_refused(path: Path) -> None:
+    nothing: Callable[[], object] = os.getcwd
+    with pytest.raises(ConfigurationError, match="is no manager and no standalone node"):
+        replay(path, nothing)
+
+
+def test_its_topics_drive_a_program_too(path: Path) -> None:
+    run = replay(path, replayed, topics=["point"])
+    points = run.topic("point")
+    assert len(points) > 10
+    # Its constructor takes no time now, so it ends before the last ones.
+    assert replay(path, replayed).topic("point")[: len(points)] == points
+    assert len(run.topic("out")) == len(points)
