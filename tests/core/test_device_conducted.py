@@ -22,6 +22,7 @@ from rosbase.errors import ConfigurationError, DeviceNotFoundError
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.executor import Executor
 from rosbase.testing import ManualClock, ScriptedTransport
+from support.conducted import on_thread
 
 S = 1_000_000_000
 Log = list[Any]
@@ -198,6 +199,44 @@ def test_stopping_within_a_frame_ends_it_in_a_replay_too() -> None:
     replayed, player = replay(run, script)
     assert player.difference is None
     assert replayed.log == without_answers(recorded.log)
+
+
+def test_frames_go_to_the_start_that_has_an_effect() -> None:
+    class Single(ScriptedTransport):
+        """As the contract says: does nothing if it is started."""
+
+        def start(self, on_frame: OnFrame) -> None:
+            if self._on_frame is None:
+                super().start(on_frame)
+
+    def run(program: Program) -> None:
+        def create(context: TransportContext) -> Transport:
+            program.made.append(Single({}, context))
+            return program.made[-1]
+
+        def take(name: str, frame: bytes, stamp_ns: int) -> None:
+            program.log.append((name, frame))
+
+        transport = program.transport(create)
+        for name in ("first", "second", "third"):
+            transport.start(partial(take, name))
+            if name == "second":
+                transport.stop()
+            else:
+                program.send(b"frame")
+                program.spin(0.1)
+
+    recorded = assert_replays(run)
+    assert without_answers(recorded.log) == [("first", b"frame"), ("third", b"frame")]
+
+
+def test_a_call_of_another_thread_spoils_the_recording() -> None:
+    recorder = Recorder(ManualClock())
+    program = Program(recorder)
+    transport = program.transport()
+    transport.start(program.take)
+    on_thread(transport.stop)
+    assert recorder.spoiled == ["a thread of the program's own calls stop of a transport"]
 
 
 def test_the_reader_gets_the_answer_if_the_program_has_time() -> None:

@@ -23,9 +23,10 @@ ROOT = Path(__file__).parents[2]
 # kinds of network, and the speed of a UART.
 # A recording is a format of its own: its records, chunks and end, each with a writer and a reader,
 # a scan that trusts nothing, and the mending of files that were cut off. Messages come from within
-# a program or through its control socket, wait for a thread, and go into files or a ring. Each
-# command has a module.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-mcap": 38, "rosbase-ros2": 48}
+# a program or through its control socket, wait for a thread, and go into files or a ring. A replay
+# has its own: bags of others, the files of a run, inputs, outputs, differences and their report.
+# Each command has a module.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-mcap": 60, "rosbase-ros2": 48}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -1,6 +1,10 @@
 """Messages that wait for the disk."""
 
+import os
+import signal
 import threading
+
+import pytest
 
 from rosbase_mcap.backlog import Backlog, Item
 
@@ -52,3 +56,27 @@ def test_threads_lose_no_message() -> None:
         taken += len(backlog.take())
     taken += len(backlog.take())
     assert taken == 4000
+
+
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
+def test_a_forked_child_records_nothing_and_never_waits() -> None:
+    backlog = Backlog(10_000)
+    is_held, is_over = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        with backlog._lock:
+            is_held.set()
+            is_over.wait()
+
+    holder = threading.Thread(target=hold)
+    holder.start()
+    is_held.wait()
+    pid = os.fork()
+    if pid == 0:
+        # Whoever waits for the lock does so for ever: there is no such thread here.
+        signal.alarm(10)
+        os._exit(int(backlog.add(item(0)) or bool(backlog.take())))
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    is_over.set()
+    holder.join()
+    assert backlog.add(item(1))

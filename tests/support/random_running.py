@@ -337,8 +337,9 @@ class RandomManager(BaseManager):
             else:
                 clients = body.clients
                 clients[act.number % len(clients)].call(SetBool.Request(act.value > 0), _SERVICE_S)
-        except RosbaseError:
-            # Such as a transition that the state does not allow.
+        except (RosbaseError, RuntimeError):
+            # Such as a transition that the state does not allow, or one that the recording does
+            # not have, because the program had ended.
             pass
 
     def _make_transport(self) -> Transport:

@@ -9,11 +9,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-deserialize_message: Any = None
-if find_spec("rclpy") is not None:
-    from rclpy.serialization import deserialize_message
-
 __all__ = ["READERS", "Read"]
+
+HAS_RCLPY = find_spec("rclpy") is not None
 
 Read = list[tuple[str, int, Any]]
 """Topic, date and message, in the order of the file."""
@@ -46,8 +44,10 @@ def by_rclpy(path: Path) -> Read:
 
 
 def _deserialized(data: bytes, schema: Any) -> Any:
+    from rclpy.serialization import deserialize_message
+
     package, kind, name = schema.name.split("/")
     return deserialize_message(data, getattr(import_module(f"{package}.{kind}"), name))
 
 
-READERS = [by_mcap, by_rosbags, *([by_rclpy] if deserialize_message is not None else [])]
+READERS = [by_mcap, by_rosbags, *([by_rclpy] if HAS_RCLPY else [])]

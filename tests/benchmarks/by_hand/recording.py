@@ -85,4 +85,5 @@ def record(path: str) -> None:
 
 
 if __name__ == "__main__":
-    {"publish": publish, "record": record}[sys.argv[1]](*sys.argv[2:])
+    roles: dict[str, Any] = {"publish": publish, "record": record}
+    roles[sys.argv[1]](*sys.argv[2:])

@@ -2,10 +2,7 @@
 
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
-from support.random_programs import RandomProgram, changed_programs, random_programs
-from support.random_running import run_program
 
 from rosbase import SystemClock
 from rosbase.clock import Clock
@@ -14,6 +11,8 @@ from rosbase.entries.replaying.player import Player
 from rosbase.entries.script import Entry, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase.testing import ManualClock, virtual_backend
+from support.random_programs import RandomProgram, changed_programs, random_programs
+from support.random_running import run_program
 
 Run = tuple[list[Any], list[Entry], RunFacts]
 

@@ -10,7 +10,7 @@ from rosbase.control.fleet import Fleet
 from rosbase.control.gathering import connect_to
 from rosbase.control.shapes import Endpoint, Topic
 from rosbase_mcap.channel_table import LATCHED, QOS
-from rosbase_mcap.log_channel import LogChannel
+from rosbase_mcap.log_channel import LOG_TOPIC, LogChannel
 from rosbase_mcap.qos_text import profiles_text
 from rosbase_mcap.recorder import Recorder
 
@@ -68,6 +68,9 @@ class AttachedTopics:
         for topic in topics:
             name = topic["name"]
             if name in self._heard or (self._wanted and name not in self._wanted):
+                continue
+            if name == LOG_TOPIC:
+                # Its lines come with the log.
                 continue
             self._heard.add(name)
             try:

@@ -1,7 +1,9 @@
 """Messages on their way from the threads that publish to the thread that writes."""
 
+import os
 import threading
 from typing import TypeAlias
+from weakref import WeakSet
 
 __all__ = ["Backlog", "Item"]
 
@@ -10,6 +12,9 @@ Item: TypeAlias = tuple[int, int, int, int, bytes]
 
 # What a message costs in memory beside its data: a tuple, its numbers, the head of `bytes`.
 _OVERHEAD_BYTES = 200
+
+
+_backlogs: "WeakSet[Backlog]" = WeakSet()
 
 
 class Backlog:
@@ -32,6 +37,7 @@ class Backlog:
         self._is_wanted = threading.Event()
         self.dropped = 0
         """Number of messages that found no room."""
+        _backlogs.add(self)
 
     def add(self, item: Item) -> bool:
         """Add a message; return False if it found no room."""
@@ -69,3 +75,17 @@ class Backlog:
     def wake(self) -> None:
         """End `wait`. Call it from any thread."""
         self._is_wanted.set()
+
+    def forget(self) -> None:
+        """Take nothing more. Called in a forked child, where no thread writes."""
+        # Another thread of the parent may have held it.
+        self._lock = threading.RLock()
+        self._most_bytes, self._items, self._bytes = -1, [], 0
+
+
+def _forget_in_child() -> None:
+    for backlog in list(_backlogs):
+        backlog.forget()
+
+
+os.register_at_fork(after_in_child=_forget_in_child)

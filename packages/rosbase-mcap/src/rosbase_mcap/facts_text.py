@@ -1,4 +1,4 @@
-"""What is in a file, as lines for people. Pure."""
+"""The contents of a file, as lines for people. Pure."""
 
 from datetime import datetime, timezone
 

@@ -64,7 +64,7 @@ class FileWriter:
         self._compression = compression
         self._chunk = ChunkBuilder()
         self.summary = Summary()
-        """What has been written so far."""
+        """Contents of the file so far."""
         self._before: deque[tuple[int, Snapshot]] = deque(maxlen=_MOST_GIVEN_UP)
         self.size_bytes = 0
         """Length of the file so far, without the chunk that is open."""

@@ -36,7 +36,7 @@ __all__ = [
 MAGIC = b"\x89MCAP0\r\n"
 """First and last bytes of a file."""
 PREFIX = struct.Struct("<BQ")
-"""What is in front of the content of each record: its kind, and the length of the content."""
+"""Head of each record: its kind, and the length of its content."""
 
 _U16, _U32, _U64, _TIMES = (struct.Struct(f"<{form}") for form in ("H", "I", "Q", "QQ"))
 _MESSAGE, _COUNTS, _FOOTER = (struct.Struct(f"<{form}") for form in ("HIQQ", "QHIIII", "QQI"))

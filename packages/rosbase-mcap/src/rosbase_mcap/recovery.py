@@ -37,7 +37,7 @@ _FOOTER_BYTES = PREFIX.size + 20
 
 @define
 class Mended:
-    """What came of mending a file."""
+    """Result of mending a file."""
 
     profile: str = ""
     """Conventions that the file follows."""
@@ -48,7 +48,7 @@ class Mended:
     damaged_chunks: int = 0
     """Number of chunks that were left out."""
     summary: Summary = field(factory=Summary)
-    """What is in the new file."""
+    """Contents of the new file."""
 
 
 def is_complete(stream: BinaryIO) -> bool:

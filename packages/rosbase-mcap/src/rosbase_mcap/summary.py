@@ -30,7 +30,7 @@ __all__ = ["Snapshot", "Summary"]
 
 @frozen
 class Snapshot:
-    """What was in a file at some time: enough to go back to it."""
+    """Contents of a file at some time: enough to go back to it."""
 
     lengths: tuple[int, int, int]
     """Number of chunks, attachments and records of metadata."""
@@ -39,7 +39,7 @@ class Snapshot:
 
 
 class Summary:
-    """What is in a file so far."""
+    """Contents of a file so far."""
 
     def __init__(self) -> None:
         self.schemas: dict[int, Schema] = {}

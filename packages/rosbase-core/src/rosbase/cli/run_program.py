@@ -5,8 +5,11 @@ import os
 import sys
 
 from rosbase.program.arguments import add_arguments, take_arguments
+from rosbase.roles.recording import RECORD_VARIABLE
 
 __all__ = ["configure", "run"]
+
+_HASH_SEED = "PYTHONHASHSEED"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -34,5 +37,13 @@ def run(arguments: argparse.Namespace) -> int:
     rest = take_arguments(arguments.arguments, before=arguments)
     theirs = arguments.backend_arguments
     words = [arguments.target, *rest, *(theirs[1:] if theirs[:1] == ["--"] else theirs)]
+    if RECORD_VARIABLE in os.environ:
+        _fix_hash_seed()
     sys.stdout.flush()
     os.execv(sys.executable, [sys.executable, "-m", "rosbase.program", *words])
+
+
+def _fix_hash_seed() -> None:
+    """Choose the order of sets of texts for the program, so that a replay can have the same."""
+    if not os.environ.get(_HASH_SEED, "").isdecimal():
+        os.environ[_HASH_SEED] = str(int.from_bytes(os.urandom(4), "little"))

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from rosbase.contracts.graph import TopicEnd
 
-__all__ = ["EndListener", "NewEnds"]
+__all__ = ["NewEnds"]
 
-EndListener: TypeAlias = "Callable[[TopicEnd], object]"
+_Listener: TypeAlias = "Callable[[TopicEnd], object]"
 
 
 class NewEnds:
@@ -20,9 +20,9 @@ class NewEnds:
 
     def __init__(self) -> None:
         # Replaced, so that a backend tells without a lock.
-        self._listeners: tuple[EndListener, ...] = ()
+        self._listeners: tuple[_Listener, ...] = ()
 
-    def add(self, listener: EndListener) -> None:
+    def add(self, listener: _Listener) -> None:
         """Call `listener(end)` for each end that is created from now on.
 
         It is called on the thread that creates the end, before that call returns. It may add taps.
@@ -30,7 +30,7 @@ class NewEnds:
         """
         self._listeners = (*self._listeners, listener)
 
-    def remove(self, listener: EndListener) -> None:
+    def remove(self, listener: _Listener) -> None:
         """Call the listener no more. Do nothing if it is not called."""
         self._listeners = tuple(one for one in self._listeners if one != listener)
 

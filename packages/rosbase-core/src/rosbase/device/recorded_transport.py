@@ -8,7 +8,7 @@ from attrs import evolve
 
 from rosbase.clock import Clock
 from rosbase.contracts.transport import Transport, TransportContext, TransportHealth
-from rosbase.device.conducted_calls import ConductedTransport
+from rosbase.device.conducted_calls import ConductedTransport, Reading
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind
 
@@ -43,11 +43,11 @@ class RecordedTransport(ConductedTransport):
         self._inner_context = evolve(context, clock=clock, logger=context.logger.twin(clock))
         self._section("create")
 
-    def _call(self, op: str) -> None:
+    def _call(self, op: str, reading: Reading | None) -> None:
         if op == "create":
             self._inner = self._create(self._inner_context)
-        elif op == "start":
-            self._inner.start(self._arrived)
+        elif reading is not None:
+            self._inner.start(partial(self._arrived, reading))
         else:
             getattr(self._inner, op)()
 
@@ -57,7 +57,7 @@ class RecordedTransport(ConductedTransport):
     def _health_now(self) -> TransportHealth:
         return self._inner.health
 
-    def _arrived(self, frame: bytes, stamp_ns: int) -> bool | None:
+    def _arrived(self, reading: Reading, frame: bytes, stamp_ns: int) -> bool | None:
         """Let a frame come in, and return whether it gave a sample; None if that takes long.
 
         Called on the reader thread. While a long tick runs, the frame waits, and the reader does
@@ -65,13 +65,15 @@ class RecordedTransport(ConductedTransport):
         """
         frame = frame if type(frame) is bytes else bytes(frame)
         handing = _Handing()
-        run = partial(self._hand_over, handing, frame, stamp_ns)
-        self._conductor.come_in(Kind.FRAME, (self._number, stamp_ns), frame, run)
+        run = partial(self._hand_over, handing, reading, frame, stamp_ns)
+        self._conductor.come_in(Kind.FRAME, (reading.number, stamp_ns), frame, run)
         return handing.answer if handing.is_done else handing.wait()
 
-    def _hand_over(self, handing: "_Handing", frame: bytes, stamp_ns: int) -> None:
+    def _hand_over(
+        self, handing: "_Handing", reading: Reading, frame: bytes, stamp_ns: int
+    ) -> None:
         try:
-            handing.answer = self._take(frame, stamp_ns)
+            handing.answer = self._take(reading, frame, stamp_ns)
         finally:
             handing.end()
 

@@ -3,7 +3,7 @@
 from attrs import evolve
 
 from rosbase.contracts.transport import TransportContext, TransportHealth, TransportState
-from rosbase.device.conducted_calls import ConductedTransport
+from rosbase.device.conducted_calls import ConductedTransport, Reading
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.script import Entry
 
@@ -37,20 +37,20 @@ class ReplayedTransport(ConductedTransport):
         self._frames = self._bytes = 0
         return self._known
 
-    def _section(self, op: str) -> None:
-        super()._section(op)
+    def _section(self, op: str, reading: Reading | None = None) -> None:
+        super()._section(op, reading)
         if op in ("open", "start"):
             self._state = TransportState.CONNECTED
         elif op == "close":
             self._state = TransportState.CLOSED
 
-    def _play(self, entry: Entry) -> None:
+    def _play(self, reading: Reading, entry: Entry) -> None:
         self._frames += 1
         self._bytes += len(entry.payload)
         self._last_ns = self._clock.monotonic_ns()
-        super()._play(entry)
+        super()._play(reading, entry)
 
-    def _call(self, op: str) -> None:
+    def _call(self, op: str, reading: Reading | None) -> None:
         raise AssertionError(f"a replay makes no call of a transport: {op}")
 
     def _is_open_now(self) -> bool:

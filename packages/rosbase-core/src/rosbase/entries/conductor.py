@@ -103,9 +103,11 @@ class Conductor(Protocol):
         ...
 
     def fact(self, read: "Callable[[], Json]") -> "Json":
-        """Return what the program asks about something outside. In a replay, `read` is not called.
+        """Return what the program asks about something outside; outside, only read it.
 
-        Outside, it only reads.
+        Args:
+            read: Returns the answer. A replay calls it only if the recording has no answer, as in
+                a program that has changed; it then returns what is known without the outside.
         """
         ...
 

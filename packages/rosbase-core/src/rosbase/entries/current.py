@@ -1,15 +1,16 @@
-"""The conductor that the next program of this process gets, if there is one."""
+"""The conductor that the next program of this process gets, and that of the one that runs."""
 
 from collections.abc import Callable
 
 from rosbase.clock import Clock
 from rosbase.entries.conductor import Conductor
 
-__all__ = ["conduct_next", "conducted", "is_replay_next"]
+__all__ = ["conduct_next", "conducted", "is_replay_next", "running_conductor", "set_running"]
 
 MakeConductor = Callable[[Clock], Conductor]
 
 _waiting: list[tuple[MakeConductor, bool]] = []
+_running: list[Conductor] = []
 
 
 def conduct_next(make: MakeConductor | None, *, is_replay: bool = False) -> None:
@@ -34,3 +35,15 @@ def conducted(clock: Clock) -> Clock:
         return clock
     make, _ = _waiting.pop()
     return make(clock).clock
+
+
+def set_running(conductor: Conductor | None) -> None:
+    """Note the conductor of the program that runs, for things that know no clock; None for none."""
+    _running[:] = [] if conductor is None else [conductor]
+
+
+def running_conductor() -> Conductor | None:
+    """Return the conductor of the program that runs; None if it has none."""
+    for conductor in _running:
+        return conductor
+    return None

@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import NUMBERED, Kind
@@ -108,6 +108,10 @@ class Entrance:
     def is_inside(self) -> bool:
         """Whether the calling thread runs the program, so that nothing has to come in."""
         return self._conductor.is_inside
+
+    def ask(self, read: Callable[[], int]) -> int:
+        """Return what a function reads about things outside; in a replay, what it has read."""
+        return cast("int", self._conductor.fact(read))
 
     def let_in(self, message: Any, take: Callable[[Any], object]) -> None:
         """Have a message of another thread come in, as an entry.

@@ -65,7 +65,11 @@ class Kind(IntEnum):
     The payload is its result or its error, as JSON. All entries since it began ran during it.
     """
     FRAME = 26
-    """A transport had a frame: t, transport, stamp."""
+    """A transport had a frame: t, `start` of a transport, stamp.
+
+    Each `start` has a number, as a transport has: only the transport knows whether it has any
+    effect.
+    """
     PUBLISH = 27
     """A thread of the user published a message: t, publisher."""
     ARRIVE = 28

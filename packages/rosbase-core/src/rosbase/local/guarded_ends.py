@@ -92,4 +92,10 @@ def _guarded(kind: Any) -> Any:
             else:
                 self._entrance.let_in(message, super().publish)
 
+        @property
+        def subscription_count(self) -> int:
+            """Number of subscriptions that hear it, also of other processes."""
+            count: int = self._entrance.ask(lambda: len(self._matching))
+            return count
+
     return Guarded

@@ -9,6 +9,7 @@ from rosbase.clock import Clock
 from rosbase.processes.adoption import end_family
 from rosbase.processes.launch import Launch, Launched
 from rosbase.processes.mark import Mark
+from rosbase.processes.observed import Observed
 from rosbase.processes.output import OutputLines
 from rosbase.processes.records import RecordLines
 from rosbase.processes.restart import RestartPolicy, Restarts
@@ -26,16 +27,20 @@ _CANNOT_BE_STARTED = 126
 class ChildProcess:
     """A child process by its name; its supervisor keeps the attributes up to date."""
 
+    pid = Observed[int | None]()
+    """Process id of the command or node; its shell may have left others behind."""
+    is_alive = Observed[bool]()
+    """Whether any of its processes runs."""
+    exit_code = Observed[int | None]()
+    """Last exit code: a status, or less than 0 for a signal of that number."""
+
     def __init__(
         self, name: str, launch: Launch, policy: RestartPolicy, *, is_required: bool = False
     ) -> None:
         self.name = name
-        self.pid: int | None = None
-        """Process id of the command or node; its shell may have left others behind."""
+        self.pid = None
         self.is_alive = False
-        """Whether any of its processes runs."""
-        self.exit_code: int | None = None
-        """Last exit code: a status, or less than 0 for a signal of that number."""
+        self.exit_code = None
         self.is_required = is_required
         """Whether the program ends when this child ends for good."""
         self.restarts = Restarts(policy)

@@ -13,6 +13,7 @@ from rosbase.logger import RosbaseLogger
 from rosbase.logger.environment import apply_environment
 from rosbase.processes.child import ChildProcess
 from rosbase.processes.launch import CommandLaunch, Launch, NodeLaunch
+from rosbase.processes.observed import is_replay, observed
 from rosbase.processes.restart import RestartPolicy, RestartWhen
 from rosbase.processes.supervisor import Supervisor
 from rosbase.roles.classes import check_class
@@ -36,7 +37,9 @@ class ChildProcesses(Mapping[str, ChildProcess]):
 
     def __init__(self, children: Mapping[str, ChildProcess], logger: RosbaseLogger) -> None:
         self._children = dict(children)
-        self._supervisor = Supervisor(list(children.values()), logger) if children else None
+        # A recording has what comes of them.
+        has_any = bool(children) and not is_replay()
+        self._supervisor = Supervisor(list(children.values()), logger) if has_any else None
 
     def __getitem__(self, name: str) -> ChildProcess:
         """Return the child of that name."""
@@ -53,7 +56,8 @@ class ChildProcesses(Mapping[str, ChildProcess]):
     @property
     def exit_status(self) -> int:
         """Exit status of the first required child that ended for good; 0 while there is none."""
-        return self._supervisor.judge.status if self._supervisor is not None else 0
+        supervisor = self._supervisor
+        return observed(lambda: supervisor.judge.status if supervisor is not None else 0)
 
     def start(self) -> None:
         """Start all children.

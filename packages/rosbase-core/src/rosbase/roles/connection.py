@@ -8,7 +8,7 @@ from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
-from rosbase.entries.current import conducted
+from rosbase.entries.current import conducted, set_running
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.logger.environment import apply_environment
 from rosbase.roles.context import ManagerContext
@@ -44,6 +44,7 @@ def open_backend(backend: str | Backend | None, options: BackendOptions) -> Back
     """
     opened = backend if isinstance(backend, Backend) else _open(backend, options)
     if opened.conductor is not None:
+        set_running(opened.conductor)
         opened.conductor.begin(opened)
     return opened
 

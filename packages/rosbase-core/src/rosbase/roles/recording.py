@@ -9,7 +9,7 @@ from typing import Any
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.recording import Recording, RecordOptions
-from rosbase.entries.current import conduct_next, is_replay_next
+from rosbase.entries.current import conduct_next, is_replay_next, set_running
 from rosbase.entries.kinds import Kind
 from rosbase.errors import ConfigurationError
 from rosbase.logger import RosbaseLogger
@@ -91,6 +91,7 @@ def end_recording(
     """End the recording or the replay of a program, if there is one. Idempotent."""
     if backend is not None and backend.conductor is not None:
         backend.conductor.end(error)
+        set_running(None)
     if recording is not None:
         recording.close(error)
 

@@ -60,6 +60,15 @@ class TransitionEntrance:
         """Run `on_error` as an entry, and return its result."""
         return self._enter({"error": error_to_json(error)}, run)
 
+    def let_others(self, wait: Callable[[], bool]) -> bool:
+        """Wait for a thread that needs the turn to end its transition.
+
+        It has spoiled the recording, because it waited within an entry.
+        """
+        results: list[bool] = []
+        self._conductor.aside(lambda: results.append(wait()))
+        return all(results)
+
     def _enter(self, asked: Json, run: Callable[[], CallbackReturn]) -> CallbackReturn:
         return self._conductor.enter(Kind.CHANGE_STATE, (self._number,), to_json(asked), run)
 

@@ -68,6 +68,12 @@ class Transitions:
         """Wait for a transition on another thread; return False if it still runs."""
         if self.is_on_this_thread:
             return True
+        if self._entrance is None or not self._entrance.is_inside:
+            return self._wait(patience_s)
+        # Nobody drives it while this thread runs the program, unless it waits in a callback.
+        return self._wait(0) or self._entrance.let_others(partial(self._wait, patience_s))
+
+    def _wait(self, patience_s: float) -> bool:
         if not self._lock.acquire(timeout=patience_s):
             return False
         self._lock.release()

@@ -17,7 +17,7 @@ from rosbase_mcap.commands.stop_request import stop_request
 from rosbase_mcap.compression import COMPRESSIONS
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.file_sink import FileSink
-from rosbase_mcap.log_channel import LogChannel
+from rosbase_mcap.log_channel import LOG_TOPIC, LogChannel
 from rosbase_mcap.quantities import size_bytes, span_ns
 from rosbase_mcap.recorder import Recorder
 from rosbase_mcap.ring import Ring
@@ -72,7 +72,10 @@ def run(arguments: Any) -> int:
         with stop_request() as is_asked:
             if not topics or PARAMETER_EVENTS in topics:
                 record_parameters(fleet, recorder, SystemClock())
-            number = _record(fleet, attached, recorder, arguments.duration, is_asked)
+            if not topics or LOG_TOPIC in topics:
+                pids = [process["pid"] for process in fleet.processes()]
+                attached.hear_log(pids, LogChannel(recorder))
+            number = _record(attached, recorder, arguments.duration, is_asked)
     finally:
         attached.close()
         recorder.stop()
@@ -118,7 +121,6 @@ def _saved(ring: Ring, path: Path) -> int:
 
 
 def _record(
-    fleet: Fleet,
     attached: AttachedTopics,
     recorder: Recorder,
     duration_ns: int | None,
@@ -128,7 +130,6 @@ def _record(
     clock, number = SystemClock(), 0
     look_ns = clock.monotonic_ns()
     end_ns = None if duration_ns is None else look_ns + duration_ns
-    attached.hear_log([process["pid"] for process in fleet.processes()], LogChannel(recorder))
     while not (recorder.is_broken or is_asked_to_stop()):
         now_ns = clock.monotonic_ns()
         if end_ns is not None and now_ns >= end_ns:

@@ -145,7 +145,7 @@ class Player:
             return _OUTSIDE
         if not self.is_free:
             if not self._created or self._created[0] != (what, text):
-                self.differ(f"the program creates {_a(what)}: {text}")
+                self._differ_in_creation(f"the program creates {_a(what)}: {text}")
             else:
                 self._created.popleft()
         return self._registry.create(what, text, play)
@@ -359,6 +359,12 @@ class Player:
         if self._executor is not None:
             # So that whoever spins looks whether to stop.
             self._executor.call_soon(_do_nothing)
+
+    def _differ_in_creation(self, what: str) -> None:
+        if self._created:
+            other, text = self._created[0]
+            what += f" instead of {_a(other)}: {text}"
+        self.differ(what)
 
     def _flow_difference(self, what: str) -> FlowDifference:
         number, t_ns = self.entry.number, self.machine.t_ns

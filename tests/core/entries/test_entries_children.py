@@ -1,0 +1,106 @@
+"""Children of a recorded program: a replay has none, and sees the same of them."""
+
+import logging
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from rosbase import BaseManager, BaseNode, register_multiprocess_nodes
+from rosbase.entries.conductor import Conductor
+from rosbase.entries.current import conduct_next, running_conductor
+from rosbase.entries.kinds import Kind
+from rosbase.entries.recorder import Recorder
+from rosbase.entries.replaying.player import Player
+from rosbase.entries.script import Entry, read_entries
+from rosbase.entries.sink import RunFacts
+from rosbase.messages import String
+from rosbase.testing.recorded_log import RecordedLog
+
+
+class Talker(BaseNode):
+    """Talks to its manager, in a process of its own."""
+
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        publisher = self.create_publisher(String, "talk")
+        numbers = iter(range(1000))
+        self.create_timer(0.02, lambda: publisher.publish(String(f"number {next(numbers)}")))
+
+
+class Listener(BaseNode):
+    """Notes what it hears, and how many hear it."""
+
+    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
+        super().__init__(manager, **kwargs)
+        self.publisher: Any = self.create_publisher(String, "talk_back")
+        self.create_subscription(String, "talk", lambda message: manager.see(message.data))
+
+
+class Parent(BaseManager):
+    """Looks at its children in each tick."""
+
+    def __init__(self, children: Any) -> None:
+        self.seen: list[Any] = []
+        self.children = children
+        super().__init__("parent", {"listener": Listener}, node_freq_hz=50, control=False)
+
+    def see(self, *values: Any) -> None:
+        self.seen.append(values)
+
+    def main_loop(self) -> None:
+        super().main_loop()
+        command = self.children["command"]
+        self.see(command.is_alive, command.pid, command.exit_code)
+        self.see(self.node(Listener).publisher.subscription_count)
+        heard = [seen for seen in self.seen if isinstance(seen[0], str)]
+        if len(heard) > 3 and command.exit_code is not None:
+            self.request_stop()
+
+
+def run() -> list[Any]:
+    children = register_multiprocess_nodes(
+        {"talker": Talker}, {"command": "sleep 1; echo hello from the shell; exit 3"}
+    )
+    parent = Parent(children)
+    parent.start_main_loop_timer(children)
+    return parent.seen
+
+
+@pytest.fixture
+def heard() -> Iterator[RecordedLog]:
+    log = RecordedLog("parent")
+    yield log
+    log.close()
+
+
+def lines(log: RecordedLog) -> list[str]:
+    found = [f"{logging.getLevelName(r.levelno)} {r.getMessage()}" for r in log.records]
+    log.records.clear()
+    return found
+
+
+def test_a_replay_sees_children_that_it_does_not_start(heard: RecordedLog) -> None:
+    conductors: list[Conductor] = []
+
+    def keep(conductor: Any) -> Any:
+        conductors.append(conductor)
+        return conductor
+
+    conduct_next(lambda clock: keep(Recorder(clock)))
+    seen = run()
+    recorder: Any = conductors[0]
+    assert recorder.spoiled == []
+    entries: list[Entry] = list(read_entries([recorder.trace.take()]))
+    said = lines(heard)
+    assert "INFO command: hello from the shell" in said
+    assert (False, seen[-2][1], 3) == seen[-2]
+    assert sum(entry.kind is Kind.ARRIVE for entry in entries) >= 3
+
+    facts = RunFacts(recorder.clock.start_date_ns, recorder.clock.start_ns)
+    conduct_next(lambda clock: keep(Player(entries, facts)), is_replay=True)
+    assert run() == seen
+    player: Any = conductors[1]
+    assert player.difference is None, str(player.difference)
+    assert lines(heard) == said
+    assert running_conductor() is None
