@@ -322,6 +322,35 @@ class Pouring(ScriptedTransport):
             self.deliver(b"%d" % number, number)
 
 
+def test_a_program_that_asks_for_other_facts_gets_what_is_known() -> None:
+    def run(what: str, program: Program) -> None:
+        transport = program.transport()
+        transport.open()
+        program.log.append(getattr(transport, what))
+
+    _, script = record(partial(run, "is_open"))
+    replayed, player = replay(partial(run, "health"), script)
+    assert player.difference is None
+    assert replayed.log[-1].state is TransportState.CONNECTED
+
+
+def test_facts_are_not_mixed_up_after_a_difference() -> None:
+    def run(has_more: bool, program: Program) -> None:
+        transport = program.transport()
+        transport.open()
+        if has_more:
+            program.executor.create_timer(S, list)
+        program.spin(0.1)
+        # Facts of the same entry, which is not this one any more.
+        program.log.append((transport.is_open, transport.health.state))
+        program.spin(0.1)
+
+    recorded, script = record(partial(run, False))
+    replayed, player = replay(partial(run, True), script)
+    assert player.difference is not None
+    assert replayed.log == recorded.log == [(True, TransportState.CONNECTED)]
+
+
 def test_frames_that_pour_in_while_a_loop_runs_replay() -> None:
     def run(program: Program) -> None:
         transport = program.transport(lambda context: Pouring({}, context))

@@ -36,7 +36,7 @@ FORM = message_format(Imu)
 
 
 def imu_of(store: object, second: int, **of_header: object) -> object:
-    types = store.types  # type: ignore[attr-defined]
+    types = store.types  # type: ignore[attr-defined]  # rosbags does not declare it
     stamp = types["builtin_interfaces/msg/Time"](sec=second, nanosec=7)
     header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="imu_link", **of_header)
     vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]

@@ -45,11 +45,11 @@ def test_an_error_comes_back_with_its_class_and_text(
 
 
 def test_it_says_again_whether_another_try_may_help() -> None:
-    assert back(PluginError("x")).retryable is False  # type: ignore[attr-defined]
-    assert back(TransportError("x")).retryable is True  # type: ignore[attr-defined]
+    assert back(PluginError("x")).retryable is False  # type: ignore[attr-defined]  # of these classes
+    assert back(TransportError("x")).retryable is True  # type: ignore[attr-defined]  # of these classes
 
 
 def test_floats_and_texts_come_back_equal() -> None:
     value: Json = {"a": [0.1, 1e300, -0.0, math.inf], "text": "\udc80 \u00fc"}
     assert from_json(to_json(value)) == value
-    assert math.isnan(from_json(to_json(math.nan)))  # type: ignore[arg-type]
+    assert math.isnan(from_json(to_json(math.nan)))  # type: ignore[arg-type]  # a float

@@ -9,7 +9,7 @@ from rosbase.entries.turn import Turn
 
 def on_thread(function: object) -> object:
     answers: list[object] = []
-    thread = threading.Thread(target=lambda: answers.append(function()))  # type: ignore[operator]
+    thread = threading.Thread(target=lambda: answers.append(function()))  # type: ignore[operator]  # it is callable
     thread.start()
     thread.join()
     return answers[0]

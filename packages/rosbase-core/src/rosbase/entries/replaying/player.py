@@ -173,8 +173,10 @@ class Player:
 
     def fact(self, read: Callable[[], Json]) -> Json:
         """Return the recorded answer; what is known without it if there is none."""
-        facts = self.entry.facts
-        return facts.popleft() if facts and self.is_inside else read()
+        # A free program may ask something else, at another time.
+        if self.is_free or not self.is_inside or not self.entry.facts:
+            return read()
+        return self.entry.facts.popleft()
 
     def section(self, transport: int, op: str, call: Callable[[], Json]) -> Json:
         """Run what came in during the call, and return its result or raise its error."""
