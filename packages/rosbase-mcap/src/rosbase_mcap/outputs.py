@@ -1,4 +1,4 @@
-"""What a program has published, in order: what two runs of it must have in common. Pure."""
+"""The messages that a program has published, which two runs of it must have in common. Pure."""
 
 import hashlib
 import struct

@@ -1,4 +1,4 @@
-"""What a run takes from its process: noted in a recording, and restored for a replay."""
+"""Arguments, environment and versions of a run: noted in a recording, restored for a replay."""
 
 import hashlib
 import os

@@ -38,7 +38,7 @@ _FORMAT = 1
 
 @frozen
 class Run:
-    """What a file says of the run that it has recorded."""
+    """Facts of a run, in each of its files."""
 
     id: str
     """The same in all files of a recording, and in no other."""
@@ -53,7 +53,7 @@ class Run:
 
 @frozen
 class RunEnd:
-    """What a file says of the end of a run."""
+    """Facts of the end of a run, in the last of its files."""
 
     facts: EndFacts
     sha256: str

@@ -41,7 +41,7 @@ class FieldChange:
 
 @frozen
 class Changes:
-    """What differs between two messages."""
+    """The differences between two messages."""
 
     fields: tuple[FieldChange, ...]
     equal: int

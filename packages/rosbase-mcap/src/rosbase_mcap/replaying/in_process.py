@@ -26,7 +26,7 @@ _NS_PER_S = 1_000_000_000
 
 
 class Replay:
-    """What a replayed program has published."""
+    """The output of a replayed program."""
 
     def __init__(
         self, session: Session, outputs: list[Output], difference: str, error: Exception | None

@@ -1,4 +1,4 @@
-"""What a user wants of a replay. Pure."""
+"""The options of a replay. Pure."""
 
 import json
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ def _names(topics: Iterable[str] | None) -> tuple[str, ...] | None:
 
 @frozen
 class ReplayOptions:
-    """What is replayed, how fast, and what becomes of it."""
+    """The recording, its inputs, the rate and the part of a replay."""
 
     path: Path = field(converter=Path)
     """The recording."""

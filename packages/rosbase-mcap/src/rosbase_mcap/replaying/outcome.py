@@ -1,4 +1,4 @@
-"""What has come of a replay."""
+"""The result of a replay."""
 
 from attrs import frozen
 
@@ -9,7 +9,7 @@ __all__ = ["Outcome"]
 
 @frozen
 class Outcome:
-    """What has come of a replay."""
+    """The result of a replay."""
 
     difference: Difference | None
     """Where the program begins to differ from its recording; None if it does not."""

@@ -1,4 +1,4 @@
-"""What has come of a replay, as lines for people. Pure."""
+"""The result of a replay as lines for people. Pure."""
 
 from rosbase_mcap.replaying.difference import clock_text
 from rosbase_mcap.replaying.options import ReplayOptions

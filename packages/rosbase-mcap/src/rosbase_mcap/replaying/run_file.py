@@ -26,11 +26,11 @@ class RunFile:
 
     def __init__(self, run: Run, paths: list[Path], end: RunEnd | None, lost: int) -> None:
         self.run = run
-        """What is known of the run."""
+        """Facts of the run."""
         self.paths = paths
         """Its files, in their order."""
         self.end = end
-        """What is known of its end; None for a run that was killed."""
+        """Facts of its end; None for a run that was killed."""
         self.lost = lost
         """How many messages are missing, because the disk was too slow or full."""
         self.schemas: dict[str, Schema] = {}

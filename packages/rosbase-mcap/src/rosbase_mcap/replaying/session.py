@@ -84,7 +84,7 @@ class Session:
 
     @property
     def facts(self) -> Mapping[str, Any] | None:
-        """What is known of the recorded program, if all of its inputs are replayed."""
+        """Facts of the recorded program; None if only topics are replayed."""
         if self.run is None or self._options.topics is not None:
             return None
         return self.run.run.facts.more
@@ -101,7 +101,7 @@ class Session:
 
     @property
     def outcome(self) -> Outcome:
-        """What has come of it. Only when the block of `conducting` has ended."""
+        """The result. Only when the block of `conducting` has ended."""
         assert self._outcome is not None
         return self._outcome
 
