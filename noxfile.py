@@ -53,6 +53,8 @@ ROS_MESSAGES = [
 WIRE_ORACLES = ["numpy", "ros-jazzy-test-msgs", "rosbags>=0.10", *ROS_MESSAGES]
 # Other readers of recordings.
 MCAP_ORACLES = ["mcap>=1.2", "mcap-ros2-support>=0.5", "rosbags>=0.10"]
+# Of all Pythons, which replay those of each other.
+RECORDINGS = Path(".nox/recordings").resolve()
 MESSAGES = PACKAGES / "rosbase-core/src/rosbase/messages"
 # The front page shows the screen of a command.
 SITE_TOOLS = [
@@ -317,6 +319,27 @@ def wire(session: nox.Session) -> None:
     cases = {"ROSBASE_WIRE_CASES": "6000"}
     test = "tests/ros2/test_wire_oracle.py"
     session.run("pytest", "-q", "-n", "2", test, *session.posargs, env=cases)
+
+
+@nox.session(python=PYTHONS, default=False)
+def programs(session: nox.Session) -> None:
+    """Random programs, recorded on each Python for the session `replays`."""
+    session.install(*TEST_TOOLS)
+    _install(session, "rosbase-core")
+    folder = RECORDINGS / str(session.python)
+    shutil.rmtree(folder, ignore_errors=True)
+    count = session.posargs or ["200"]
+    env = {"PYTHONPATH": "tests"}
+    session.run("python", "tests/replays.py", "record", str(RECORDINGS), *count, env=env)
+
+
+@nox.session(python=PYTHONS, default=False)
+def replays(session: nox.Session) -> None:
+    """The recordings of all Pythons, replayed on each; `nox -s programs replays` makes both."""
+    _install(session, "rosbase-core")
+    session.install(*TEST_TOOLS)
+    env = {"PYTHONPATH": "tests"}
+    session.run("python", "tests/replays.py", "replay", str(RECORDINGS), env=env)
 
 
 @nox.session(default=False)

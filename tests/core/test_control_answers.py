@@ -635,7 +635,7 @@ def test_after_a_request_the_loop_sleeps_as_before() -> None:
     def run(_: object, *rest: Any) -> None:
         run_main_loop(Counting(), *rest)  # type: ignore[arg-type]  # it is one
 
-    manager._run_loop = run  # type: ignore[assignment]  # in its place
+    manager._run_loop = run
     ask_while_running(manager, questions)
     assert 1 <= len(spins) <= 12
 

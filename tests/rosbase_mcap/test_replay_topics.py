@@ -15,6 +15,7 @@ from rosbase_mcap import Replay, replay
 from rosbase_mcap.channel_table import LATCHED, ChannelTable
 from rosbase_mcap.file_sink import write_items
 from rosbase_mcap.file_writer import FileWriter
+from support.bag_reading import with_reason
 
 S = 1_000_000_000
 START = 1_700_000_000 * S
@@ -147,7 +148,7 @@ def test_latched_messages_reach_nodes_that_come_later(tmp_path: Path) -> None:
         assert [header.frame_id for header in run.topic("got")] == ["f1", "f2", "f6"]
 
 
-@pytest.mark.parametrize("plugin", StoragePlugin)
+@pytest.mark.parametrize("plugin", [with_reason(plugin, plugin.name) for plugin in StoragePlugin])
 def test_a_bag_that_rosbags_wrote_drives_an_unchanged_program(
     plugin: StoragePlugin, tmp_path: Path
 ) -> None:

@@ -8,6 +8,7 @@ from attrs import evolve
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosbase.cli import main
 from rosbase.entries.kinds import Kind
 from rosbase.entries.script import read_entries
 from rosbase.entries.sink import EndFacts, RunFacts
@@ -202,3 +203,18 @@ def test_a_recording_without_a_trace_is_no_run(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     path.write_bytes(b"".join(pieces))
     assert open_run(path) is None
+
+
+def test_a_part_that_was_cut_out_has_topics_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, part = tmp_path / "run.mcap", tmp_path / "part.mcap"
+    path.write_bytes(WHOLE)
+    assert main(["info", str(path)]) == 0
+    assert "replay:    all inputs" in capsys.readouterr().out
+    assert main(["cut", str(path), "/a", "-o", str(part)]) == 0
+    assert open_run(part) is None
+    assert main(["info", str(part)]) == 0
+    lines = capsys.readouterr().out
+    assert "replay:    topics only" in lines
+    assert "attached" not in lines

@@ -60,6 +60,10 @@ class Act:
 Acts = tuple[Act, ...]
 
 
+def _tuple(given: Any) -> Any:
+    return tuple(given)
+
+
 @frozen
 class Topic:
     """A topic with a publisher and a subscription."""
@@ -67,7 +71,7 @@ class Topic:
     depth: int
     is_latched: bool
     is_reliable: bool
-    on_message: Acts = field(converter=tuple)
+    on_message: Acts = field(converter=_tuple)
 
 
 @frozen
@@ -83,17 +87,17 @@ class Outside:
 class RandomProgram:
     """A manager with two nodes, one of them managed."""
 
-    on_tick: Acts = field(converter=tuple)
-    timers: tuple[tuple[int, Acts], ...] = field(converter=tuple)
+    on_tick: Acts = field(converter=_tuple)
+    timers: tuple[tuple[int, Acts], ...] = field(converter=_tuple)
     """Periods in milliseconds, and what they do."""
-    topics: tuple[Topic, ...] = field(converter=tuple)
-    services: tuple[Acts, ...] = field(converter=tuple)
-    on_transition: Acts = field(converter=tuple)
-    on_parameter: Acts = field(converter=tuple)
-    frames: tuple[int, ...] = field(converter=tuple)
+    topics: tuple[Topic, ...] = field(converter=_tuple)
+    services: tuple[Acts, ...] = field(converter=_tuple)
+    on_transition: Acts = field(converter=_tuple)
+    on_parameter: Acts = field(converter=_tuple)
+    frames: tuple[int, ...] = field(converter=_tuple)
     """Ticks after which the transport has a frame; its bytes are its number."""
-    on_frame: Acts = field(converter=tuple)
-    thread: tuple[Outside, ...] = field(converter=tuple)
+    on_frame: Acts = field(converter=_tuple)
+    thread: tuple[Outside, ...] = field(converter=_tuple)
     """What the thread does, in this order."""
     ticks: int = 20
 
@@ -171,8 +175,8 @@ def _acts(kinds: tuple[str, ...]) -> st.SearchStrategy[Act]:
     return st.builds(Act, st.sampled_from(kinds), st.integers(0, 4), st.integers(-9, 9))
 
 
-def _some(kinds: tuple[str, ...], most: int) -> st.SearchStrategy[list[Act]]:
-    return st.lists(_acts(kinds), max_size=most)
+def _some(kinds: tuple[str, ...], most: int) -> st.SearchStrategy[Acts]:
+    return st.lists(_acts(kinds), max_size=most).map(tuple)
 
 
 def _by_tick(acts: list[Outside]) -> list[Outside]:

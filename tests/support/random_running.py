@@ -184,7 +184,7 @@ class RandomManager(BaseManager):
     def serve(self, number: int, acts: Acts, request: SetBool.Request) -> SetBool.Response:
         """Answer a request."""
         self.see("request", number, request.data)
-        self.do([act for act in acts if not act.what.startswith("call")], 1)
+        self.do(tuple(act for act in acts if not act.what.startswith("call")), 1)
         if not request.data and number == 0:
             raise ValueError("it does not like that")
         return SetBool.Response(request.data, f"{self._last}")

@@ -74,6 +74,8 @@ def recorded_while(questions: Callable[[Asker], object]) -> Recorded:
     """Records a program that is asked; its replay must see the same."""
     recorded = record(lambda program: asked(program, questions), SystemClock())
     assert recorded.spoiled == []
+    # That would be a thread of rosbase which hands over something that no replay has.
+    assert Kind.POSTED not in recorded.kinds
     again = replay(lambda program: asked(program, questions), recorded)
     assert again == recorded.seen
     return recorded

@@ -20,6 +20,7 @@ from rosbase.parameters import Parameter, ParameterSpec
 from rosbase.qos import DurabilityPolicy, QoSProfile
 from rosbase.testing import ManualClock, virtual_backend
 from support.conducted import ConductedProgram, record, replay
+from support.waiting import wait_until
 
 LATCHED = QoSProfile(3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -259,6 +260,22 @@ def test_a_call_of_another_thread_without_waiting_spoils_the_recording() -> None
     assert record(run).spoiled[0] == (
         "/switch: a thread of the program calls it without waiting for the answer"
     )
+
+
+def test_a_request_that_has_waited_for_the_service_spoils_the_recording() -> None:
+    def run(program: ConductedProgram) -> None:
+        client = program.backend.create_client(SetBool, "switch")
+        calling = threading.Thread(target=lambda: client.call(SetBool.Request(True), 5.0))
+        calling.start()
+        wait_until(lambda: program.bus.services._services["/switch"].waiting, "the call")
+        program.backend.create_service(SetBool, "switch", lambda r: serve(program, r))
+        program.spin()
+        program.conductor.aside(calling.join)
+
+    recorded = record(run)
+    assert recorded.spoiled == [
+        "/switch: a thread of the program has called it before it was there"
+    ]
 
 
 def test_a_request_for_a_standard_service_is_answered_again() -> None:

@@ -45,7 +45,12 @@ def test_lines_have_their_recorded_dates_again(heard: RecordedLog) -> None:
 def test_a_replay_at_another_level_reads_the_same_dates(heard: RecordedLog) -> None:
     def run(program: ConductedProgram) -> None:
         logger, clock = RosbaseLogger("program"), program.backend.clock
-        program.backend.create_timer(0.1, lambda: logger.debug("more") or program.see(clock.now()))
+
+        def tick() -> None:
+            logger.debug("more")
+            program.see(clock.now())
+
+        program.backend.create_timer(0.1, tick)
         program.spin(0.25)
 
     logging.getLogger("rosbase.program").setLevel(logging.INFO)
@@ -59,7 +64,7 @@ def test_a_replay_at_another_level_reads_the_same_dates(heard: RecordedLog) -> N
 def test_a_line_of_another_thread_is_said_again_once(heard: RecordedLog) -> None:
     def run(program: ConductedProgram) -> None:
         program.spin(0.5)
-        program.outside_once(lambda: RosbaseLogger("program").error("lost", exc_info=fault()))
+        program.outside(lambda: RosbaseLogger("program").error("lost", exc_info=fault()))
         program.spin(0.1)
 
     recorded = record(run)

@@ -1,5 +1,6 @@
 """Random programs, recorded with threads, replay the same."""
 
+import json
 from typing import Any
 
 from hypothesis import HealthCheck, given, settings
@@ -11,7 +12,13 @@ from rosbase.entries.replaying.player import Player
 from rosbase.entries.script import Entry, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase.testing import ManualClock, virtual_backend
-from support.random_programs import RandomProgram, changed_programs, random_programs
+from support.random_programs import (
+    RandomProgram,
+    changed_programs,
+    from_json,
+    random_programs,
+    to_json,
+)
 from support.random_running import run_program
 
 Run = tuple[list[Any], list[Entry], RunFacts]
@@ -64,3 +71,9 @@ def test_a_changed_program_publishes_something_else(
     seen, script, facts = record(one, ManualClock())
     again, _ = replay(other, script, facts)
     assert again != seen
+
+
+@few
+@given(random_programs())
+def test_a_program_comes_back_from_json(program: RandomProgram) -> None:
+    assert from_json(json.loads(json.dumps(to_json(program)))) == program

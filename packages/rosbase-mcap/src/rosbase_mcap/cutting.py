@@ -7,6 +7,7 @@ from rosbase_mcap.channel_table import LATCHED
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.reading import Selection, contents
 from rosbase_mcap.records import Attachment, Channel, Metadata, Schema
+from rosbase_mcap.traces import END, RUN, is_trace
 
 __all__ = ["cut", "is_latched"]
 
@@ -25,7 +26,8 @@ def cut(
     """Write a part of a file as a file of its own; return the number of messages.
 
     Of latched topics, such as /tf_static, earlier messages are kept too, because the others are
-    hard to read without them. Attachments and metadata are kept.
+    hard to read without them. Attachments and metadata are kept, except the entries of a program:
+    they can only be replayed as a whole.
 
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.
@@ -40,9 +42,11 @@ def cut(
         elif isinstance(content, Channel):
             channels[content.id] = content
         elif isinstance(content, Attachment):
-            writer.attach(content)
+            if not is_trace(content):
+                writer.attach(content)
         elif isinstance(content, Metadata):
-            writer.note(content)
+            if content.name not in (RUN, END):
+                writer.note(content)
         else:
             channel = channels.get(content.channel_id)
             if channel is None:

@@ -3,6 +3,7 @@
 from datetime import datetime, timezone
 
 from rosbase_mcap.summary import Summary
+from rosbase_mcap.traces import is_trace
 
 __all__ = ["facts_lines", "span_text"]
 
@@ -28,9 +29,12 @@ def facts_lines(summary: Summary, *, size_bytes: int, profile: str) -> list[str]
         ]
     kinds = sorted({chunk.compression or "none" for chunk in summary.chunks})
     lines.append(f"chunks:    {len(summary.chunks)} (compression: {', '.join(kinds) or 'none'})")
-    if summary.attachments:
-        names = ", ".join(index.attachment.name for index in summary.attachments)
-        lines.append(f"attached:  {names}")
+    names = [index.attachment for index in summary.attachments]
+    has_inputs = any(is_trace(one) for one in names)
+    lines.append(f"replay:    {'all inputs' if has_inputs else 'topics only'}")
+    others = [one.name for one in names if not is_trace(one)]
+    if others:
+        lines.append(f"attached:  {', '.join(others)}")
     return [*lines, *_topics(summary)]
 
 

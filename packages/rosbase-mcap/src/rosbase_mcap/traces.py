@@ -69,8 +69,7 @@ def trace_attachment(block: TraceBlock, number: int, start_date_ns: int) -> Atta
         number: How many blocks were written before, in all files.
         start_date_ns: Date of the start of the run, in nanoseconds since 1970.
     """
-    starts = block.starts
-    date_ns = max(0, start_date_ns + (block.ints[starts[0] + 1] if starts else 0))
+    date_ns = max(0, start_date_ns + block.start_ns)
     data = block.to_bytes(start_date_ns)
     return Attachment(date_ns, 0, f"{_TRACE}{number:06}", _MEDIA_TYPE, data)
 

@@ -73,10 +73,13 @@ class GuardedServer(ServiceServer):
 
     def take(self, call: ServiceRequest) -> None:
         """Queue a request. Call it from any thread."""
-        if self._entrance.is_inside:
-            super().take(call)
-        else:
+        if not self._entrance.is_inside:
             self._entrance.let_in(call.request, partial(self._take_from_outside, call))
+            return
+        if isinstance(call, GuardedCall) and call.number is None:
+            # Nothing says so in a replay: it comes with the service that it has waited for.
+            call.spoil("has called it before it was there")
+        super().take(call)
 
     def _take_from_outside(self, call: ServiceRequest, request: Any) -> None:
         call.request = request
@@ -168,13 +171,13 @@ class GuardedCall(ServiceCall[RequestT, ResponseT]):
     def add_done_callback(self, callback: Callable[[ServiceFuture[Any]], object]) -> None:
         """Call `callback(future)` on the main loop once it is done, or soon if it is."""
         if self.number is None:
-            self._spoil("waits with a callback for the answer of its call")
+            self.spoil("waits with a callback for the answer of its call")
         super().add_done_callback(callback)
 
     def expire_after(self, timeout_ns: int, make_error: Callable[[], ServiceError]) -> None:
         """Let the call fail unless it is done by then."""
         if self.number is None:
-            self._spoil("calls it without waiting for the answer")
+            self.spoil("calls it without waiting for the answer")
         super().expire_after(timeout_ns, make_error)
 
     def _arrive(self, response: ResponseT | None, error: ServiceError | None) -> bool:
@@ -194,7 +197,8 @@ class GuardedCall(ServiceCall[RequestT, ResponseT]):
         self.entrance.forget(self.number)
         return super()._end(response, error)
 
-    def _spoil(self, what: str) -> None:
+    def spoil(self, what: str) -> None:
+        """Spoil the recording, because a thread of the program has done something."""
         reason = f"{self.service_name}: a thread of the program {what}"
         self.entrance.conductor.spoil(reason)
 

@@ -32,7 +32,7 @@ def _texts(values: Iterable[str]) -> tuple[str, ...]:
 
 @frozen
 class RecordOptions:
-    """What to record of a program, and where to."""
+    """Options of a recording: the file, and how much of the program is in it."""
 
     path: Path = field(converter=Path)
     """The file. Its suffix chooses the recorder: `.mcap` is that of rosbase-mcap."""

@@ -8,7 +8,7 @@ from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind
 from rosbase.entries.script import Entry
 from rosbase.logger import RosbaseLogger
-from rosbase.logger.dates import date_by
+from rosbase.logger.dates import date_by, hear_only
 from rosbase.logger.observer import add_observer, remove_observer
 from rosbase.logger.record_text import whole_text
 from rosbase.messages import Time
@@ -40,15 +40,20 @@ class LogEntrance:
     def begin(self) -> None:
         """Date all records by the clock of the program, and hear them."""
         date_by(self._log_now_ns)
-        add_observer(self._hear)
+        if self._conductor.is_replay:
+            # The lines of other threads come from the recording.
+            hear_only(lambda: self._conductor.is_inside)
+        else:
+            add_observer(self._hear)
 
     def end(self) -> None:
         """Hear nothing more. Do nothing if it has ended."""
         remove_observer(self._hear)
+        hear_only(None)
         date_by(None)
 
     def _hear(self, record: logging.LogRecord) -> None:
-        # Those of the thread inside come by themselves, and a replay ignores the others.
+        # Those of the thread inside come by themselves.
         if not self._conductor.is_inside:
             payload = partial(self._encode, _message(record))
             self._conductor.come_in(Kind.LOG, (), payload, _nothing)

@@ -9,6 +9,7 @@ import sys
 import zlib
 from array import array
 from collections import deque
+from collections.abc import Iterator
 
 from attrs import frozen
 
@@ -40,16 +41,21 @@ class TraceBlock:
     """Payloads, in the order of the kinds that have one."""
 
     @property
-    def starts(self) -> list[int]:
+    def starts(self) -> Iterator[int]:
         """The place in `ints` of each entry that begins in the block."""
         ints, sizes, notes = self.ints, INTS, IS_NOTE
-        places = []
-        place = 0
-        while place < len(ints):
-            if ints[place] not in notes:
-                places.append(place)
-            place += 1 + sizes[ints[place]]
-        return places
+        place, end = 0, len(self.ints)
+        while place < end:
+            kind = ints[place]
+            if kind not in notes:
+                yield place
+            place += 1 + sizes[kind]
+
+    @property
+    def start_ns(self) -> int:
+        """The time at which the first entry of the block began, since the start of the run."""
+        first = next(self.starts, None)
+        return 0 if first is None else self.ints[first + 1]
 
     def to_bytes(self, start_date_ns: int = 0) -> bytes:
         """Return the block as it is in a file.
@@ -58,8 +64,6 @@ class TraceBlock:
             start_date_ns: The date at which the run started. The header has the date of the first
                 entry of the block, for readers that look for one.
         """
-        starts = self.starts
-        date_ns = start_date_ns + (self.ints[starts[0] + 1] if starts else 0)
         payloads = [as_bytes(payload) for payload in self.payloads]
         lengths = array("I", [len(payload) for payload in payloads])
         body = zlib.compress(
@@ -71,7 +75,7 @@ class TraceBlock:
             _ZLIB,
             0,
             self.first_entry,
-            date_ns,
+            start_date_ns + self.start_ns,
             len(self.ints),
             len(payloads),
             len(body),
@@ -139,7 +143,7 @@ class Trace:
         pop_payload = self.payloads.popleft
         payloads = tuple([pop_payload() for _ in range(len(self.payloads))])
         block = TraceBlock(self._next_entry, ints, payloads)
-        self._next_entry += len(block.starts)
+        self._next_entry += sum(1 for _ in block.starts)
         return block
 
 

@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from rosbase.clock import Clock
 from rosbase.logger.call_sites import calling_frame, site_of
+from rosbase.logger.dates import is_dropped
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, LogOptions
 from rosbase.logger.levels import level_named, level_number
@@ -79,7 +80,7 @@ class _CustomLogger(RosbaseLogger):
     def _say(self, method: str, message: Any, *more: Any, **options: Any) -> None:
         """Write a message, with all arguments that the application's own logger takes."""
         level, frame = _METHODS[method][0], calling_frame()
-        if self._way(level) is None:
+        if self._way(level) is None or is_dropped():
             return
         filters = {name: options.pop(name) for name in FILTERS & options.keys()}
         if filters and not self._filters.pass_on(

@@ -1,16 +1,18 @@
-"""The date of records: the machine's, unless the program is recorded or replayed.
+"""What a recording or a replay of the program changes in its log: the dates, and who may speak.
 
-Then it comes from the clock of the program, so that a replay says the same lines.
+The dates come from the clock of the program then, so that a replay says the same lines. In a
+replay, lines of other threads come from the recording.
 """
 
 import logging
 from collections.abc import Callable
 
-__all__ = ["date_at", "date_by", "set_date"]
+__all__ = ["date_at", "date_by", "hear_only", "is_dropped", "set_date"]
 
 _NS_PER_S, _NS_PER_MS = 1_000_000_000, 1_000_000
 
 _dates: list[Callable[[], int]] = []
+_heard: list[Callable[[], bool]] = []
 
 
 def date_by(now_ns: Callable[[], int] | None) -> None:
@@ -19,6 +21,16 @@ def date_by(now_ns: Callable[[], int] | None) -> None:
     It is called on any thread that logs, and returns nanoseconds since 1970.
     """
     _dates[:] = [] if now_ns is None else [now_ns]
+
+
+def hear_only(is_heard: Callable[[], bool] | None) -> None:
+    """Drop records of threads for which this function returns false; None ends it."""
+    _heard[:] = [] if is_heard is None else [is_heard]
+
+
+def is_dropped() -> bool:
+    """Return whether records of the calling thread are dropped."""
+    return any(not is_heard() for is_heard in _heard) if _heard else False
 
 
 def set_date(record: logging.LogRecord) -> None:

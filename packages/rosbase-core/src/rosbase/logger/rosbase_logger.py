@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosbase.clock import Clock, SystemClock
 from rosbase.logger.call_sites import calling_frame, site_of
 from rosbase.logger.console import current_console
-from rosbase.logger.dates import date_at, set_date
+from rosbase.logger.dates import date_at, is_dropped, set_date
 from rosbase.logger.destination import survey
 from rosbase.logger.filters import FILTERS, Filters, LogOptions, make_room
 from rosbase.logger.levels import level_number, message_level
@@ -238,7 +238,7 @@ class RosbaseLogger:
         options: LogOptions | None = None,
     ) -> None:
         way = self._way(level)
-        if way is None:
+        if way is None or is_dropped():
             return
         options = options or {}
         frame = calling_frame(options.get("stacklevel", 1))

@@ -39,16 +39,24 @@ def find_component(
             raise LookupError(f"{role} {name!r} is of class {type(named).__name__}, not {wanted}")
         hint = did_you_mean(name, components)
         raise LookupError(f"no {role} is named {name!r}; {_registered(components)}{hint}")
+    # Without a dictionary, because programs call it many times in each tick.
+    only = None
+    for it in components.values():
+        if isinstance(it, component_class):
+            if only is not None:
+                break
+            only = it
+    else:
+        if only is not None:
+            return only
     found = {key: it for key, it in components.items() if isinstance(it, component_class)}
     if not found:
         raise LookupError(f"no {role} is of class {wanted}; {_registered(components)}")
-    if len(found) > 1:
-        *others, last = map(repr, found)
-        example = f"{role}({wanted}, {next(iter(found))!r})"
-        raise LookupError(
-            f"{', '.join(others)} and {last} are of class {wanted}; choose one, as in {example}"
-        )
-    return next(iter(found.values()))
+    *others, last = map(repr, found)
+    example = f"{role}({wanted}, {next(iter(found))!r})"
+    raise LookupError(
+        f"{', '.join(others)} and {last} are of class {wanted}; choose one, as in {example}"
+    )
 
 
 def _registered(components: Mapping[str, object]) -> str:

@@ -75,7 +75,7 @@ class Session:
                 make = self._of_all_inputs(self.run, stack)
             else:
                 make = self._of_topics(stack.enter_context(open_bag(self._options.path)))
-            conduct_next(make)
+            conduct_next(make, is_replay=True)
             try:
                 yield
             finally:
