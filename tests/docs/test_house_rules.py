@@ -20,8 +20,9 @@ ROOT = Path(__file__).parents[2]
 # answers that are dropped, and a watch; taps, the graph, and formats of messages, for those who
 # look at a program. The nodes of one process, each a node of ROS, share a context. A serial port
 # has surroundings, each a subject of its own: the driver, other programs and who they are, two
-# kinds of network, and the speed of a UART.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48}
+# kinds of network, and the speed of a UART. A view has a model, drawings, a page for each subject,
+# a source and widgets.
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 36}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

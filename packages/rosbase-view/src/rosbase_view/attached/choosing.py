@@ -1,0 +1,50 @@
+"""Which processes are looked at. Pure."""
+
+from collections.abc import Sequence
+
+from rosbase.control.names import ambiguous, unknown
+from rosbase.control.questions.base import label
+from rosbase.control.shapes import Process
+
+__all__ = ["chosen"]
+
+
+def chosen(processes: Sequence[Process], name: str | None) -> list[Process]:
+    """Return the process with a program of that name or with that pid, and its child processes.
+
+    Args:
+        processes: All that run.
+        name: Name of a program, without the slash in front if you like, or a pid. None chooses
+            all of them.
+
+    Raises:
+        ControlError: No program has that name, or several have.
+    """
+    if name is None:
+        return list(processes)
+    wanted = name.lstrip("/")
+    those = [p for p in processes if wanted in (str(p["pid"]), *_names(p))]
+    if not those:
+        known = [name for p in processes for name in (*_names(p), str(p["pid"]))]
+        raise unknown("program", name, known)
+    if len(those) > 1:
+        raise ambiguous("program", name, [label(p) for p in those])
+    return _with_children(those[0], {p["pid"]: p for p in processes})
+
+
+def _names(process: Process) -> list[str]:
+    return [program["name"].lstrip("/") for program in process["programs"]]
+
+
+def _with_children(process: Process, known: dict[int, Process]) -> list[Process]:
+    # Pids are told by other processes, which may be wrong: none is taken twice.
+    found = {process["pid"]: process}
+    waiting = [process]
+    while waiting:
+        for program in waiting.pop()["programs"]:
+            for child in program["children"]:
+                pid = child["pid"]
+                if pid in known and pid not in found:
+                    found[pid] = known[pid]
+                    waiting.append(known[pid])
+    return list(found.values())

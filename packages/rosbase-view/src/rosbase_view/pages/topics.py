@@ -1,0 +1,124 @@
+"""Topics with rate, age and sparkline; the last message of the chosen one."""
+
+from collections.abc import Hashable, Sequence
+
+from rosbase_view.drawing.figures import age, rate
+from rosbase_view.drawing.glyphs import Glyphs
+from rosbase_view.drawing.lines import Ink, Line, Span, clipped, line
+from rosbase_view.drawing.table import Cell, Column
+from rosbase_view.imu_picture import IMU, ImuPicture
+from rosbase_view.known import Known
+from rosbase_view.message_tree import Path, tree_rows
+from rosbase_view.pages.base import BasePage
+from rosbase_view.pages.page import Edit, Pane
+from rosbase_view.reports import Heard, TopicKey
+from rosbase_view.source import Change, Gaze
+
+__all__ = ["TopicsPage"]
+
+_SPARKLINE = 16
+_COLUMNS = (
+    Column("TOPIC", 16, share=1),
+    Column("RATE", 9, is_right=True),
+    Column("AGE", 5, is_right=True),
+    Column("LAST 8 S", _SPARKLINE),
+    Column("TYPE", 20, share=1),
+)
+_STALE_NS = 1_000_000_000
+
+
+class TopicsPage(BasePage):
+    """The topics of all programs."""
+
+    title = "topics"
+    hints = (("enter", "fold"),)
+    columns = _COLUMNS
+
+    def __init__(self, known: Known, glyphs: Glyphs) -> None:
+        """Show what is known."""
+        super().__init__(known, glyphs)
+        self._picture = ImuPicture(glyphs)
+        self._is_folded = False
+        self._rows: dict[tuple[TopicKey, bool], tuple[object, Line]] = {}
+
+    def keys(self) -> Sequence[TopicKey]:
+        """Return the topics by name."""
+        return list(self.known.topics)
+
+    def row(self, key: Hashable, pane: Pane, *, is_chosen: bool) -> Line:
+        """Return a row: the same one as before, if nothing that it shows has changed."""
+        topic = self.known.topics[_key(key)]
+        stamp = (topic.revision, age(topic.age_ns(pane.now_ns)), pane.width)
+        place = (_key(key), is_chosen)
+        before = self._rows.get(place)
+        if before is not None and before[0] == stamp:
+            return before[1]
+        drawn = super().row(key, pane, is_chosen=is_chosen)
+        if len(self._rows) > 2 * len(self.known.topics):
+            self._rows.clear()
+        self._rows[place] = (stamp, drawn)
+        return drawn
+
+    def cells(self, key: Hashable, pane: Pane) -> Sequence[Cell]:
+        """Return the cells of a row."""
+        topic = self.known.topics[_key(key)]
+        age_ns = topic.age_ns(pane.now_ns)
+        ink = Ink.DIM if age_ns is None or age_ns > _STALE_NS else Ink.PLAIN
+        return (
+            Cell(_key(key)[0]),
+            Cell(rate(topic.rate_hz if topic.total else None), ink),
+            Cell(age(age_ns), ink),
+            Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), ink),
+            Cell(", ".join(topic.topic["types"]), Ink.DIM),
+        )
+
+    def detail(self, key: Hashable | None, pane: Pane, first: int) -> list[Line]:
+        """Return the ends of the topic, and its last message: a picture, if it has one."""
+        if key is None:
+            return []
+        topic, heard = self.known.topics[_key(key)], self.known.heard
+        ends = topic.topic
+        lost = f", {topic.dropped} lost by them" if topic.dropped else ""
+        lines = [
+            line(Span(clipped(_key(key)[0], pane.width), Ink.TITLE)),
+            line(
+                f"{len(ends['publishers'])} publishers, {len(ends['subscriptions'])}"
+                f" subscriptions{lost}"
+            ),
+        ]
+        if heard is None or heard.topic != key:
+            return [*lines, line(Span("no message yet", Ink.DIM))]
+        return [*lines, *self._message(heard, pane, first)][: pane.height]
+
+    def _message(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
+        room = pane.height - 2
+        picture: list[Line] = []
+        if heard.type == IMU and not first:
+            # What is left is for the tree, which scrolls.
+            picture = self._picture.draw(heard.message, pane.width, max(9, room - 6))
+        folded: set[Path] = {(name,) for name in heard.message} if self._is_folded else set()
+        rows = tree_rows(heard.message, folded)[first:]
+        marks = {None: "  ", True: f"{self.glyphs.opened} ", False: f"{self.glyphs.closed} "}
+        tree = [
+            line(
+                Span(f"{'  ' * row.depth}{marks[row.is_open]}{row.name} ", Ink.DIM),
+                clipped(row.value, pane.width),
+            )
+            for row in rows[: max(0, room)]
+        ]
+        return [*picture, *tree]
+
+    def gaze(self, key: Hashable | None) -> Gaze:
+        """Look at the messages of the topic."""
+        return Gaze(topic=None if key is None else _key(key))
+
+    def press(self, key: str, chosen: Hashable | None) -> Change | Edit | int | None:
+        """Fold or unfold the message."""
+        if key == "enter":
+            self._is_folded = not self._is_folded
+        return None
+
+
+def _key(key: Hashable) -> TopicKey:
+    assert isinstance(key, tuple)
+    return key
