@@ -25,6 +25,7 @@ DISTRIBUTIONS = {
     "rosbase-core": (["rosbase-core"], "tests/core"),
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
+    "rosbase-view": (["rosbase-core", "rosbase-view"], "tests/view"),
 }
 # Tests that often keep a processor busy. The others mostly wait: for time, brokers and processes.
 BUSY = {"tests/ros2"}
@@ -231,6 +232,7 @@ def typing(session: nox.Session) -> None:
         "core",
         "imu_serial",
         "imu_mqtt",
+        "view",
         "ros2",
         "integration",
         "docs",

@@ -53,7 +53,9 @@ class ImuPicture:
             return None
         names = ("roll", "pitch", "yaw")
         return "  ".join(
-            f"{name} {math.degrees(angle):6.1f}" for name, angle in zip(names, angles, strict=True)
+            # Without a sign for what is 0 but for rounding.
+            f"{name} {round(math.degrees(angle), 1) + 0.0:6.1f}"
+            for name, angle in zip(names, angles, strict=True)
         )
 
     def _bars(

@@ -34,6 +34,7 @@ class Streams:
         self._wake = WakePipe()
         self._lock = threading.Lock()
         self._wanted: Mapping[Tag, Question] = {}
+        self._adjusted: Mapping[Tag, Question] | None = None
         self._is_closed = False
         self._links: dict[int, _Link] = {}
         self._questions: dict[Tag, Question] = {}
@@ -71,7 +72,10 @@ class Streams:
                     wanted, is_closed = self._wanted, self._is_closed
                 if is_closed:
                     return
-                self._adjust(wanted, poll)
+                # Not after each event: a stream that could not be opened waits for the next survey.
+                if wanted is not self._adjusted:
+                    self._adjusted = wanted
+                    self._adjust(wanted, poll)
         finally:
             for link in self._links.values():
                 link.connection.close()

@@ -6,7 +6,10 @@ from typing import Protocol
 from rosbase_view.drawing.lines import Line
 from rosbase_view.source import Change, Gaze
 
-__all__ = ["Edit", "Page", "Pane"]
+__all__ = ["SCROLL_STEP", "Edit", "Page", "Pane"]
+
+SCROLL_STEP = 5
+"""Lines by which a key scrolls the details."""
 
 
 class Pane(Protocol):

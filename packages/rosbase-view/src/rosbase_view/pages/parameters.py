@@ -42,7 +42,7 @@ class ParametersPage(BasePage):
 
     title = "parameters"
     hints = (("enter", "edit"),)
-    columns = (Column("PARAMETER", 24, share=1), Column("VALUE", 20, share=2), Column("TYPE", 12))
+    columns = (Column("PARAMETER", 24, share=1), Column("VALUE", 20, share=2), Column("TYPE", 20))
 
     def __init__(
         self, known: Known, glyphs: Glyphs, chosen_node: Callable[[], NodeKey | None]

@@ -18,7 +18,7 @@ class ProgramsPage(BasePage):
     title = "programs"
     columns = (
         Column("PROGRAM", 16, share=1),
-        Column("STATE", 14, share=1),
+        Column("STATE", 16, share=1),
         Column("RATE", 9, is_right=True),
         Column("CPU", 6, is_right=True),
         Column("MEMORY", 9, is_right=True),

@@ -10,7 +10,7 @@ from rosbase_view.imu_picture import IMU, ImuPicture
 from rosbase_view.known import Known
 from rosbase_view.message_tree import Path, tree_rows
 from rosbase_view.pages.base import BasePage
-from rosbase_view.pages.page import Edit, Pane
+from rosbase_view.pages.page import SCROLL_STEP, Edit, Pane
 from rosbase_view.reports import Heard, TopicKey
 from rosbase_view.source import Change, Gaze
 
@@ -97,7 +97,9 @@ class TopicsPage(BasePage):
             # What is left is for the tree, which scrolls.
             picture = self._picture.draw(heard.message, pane.width, max(9, room - 6))
         folded: set[Path] = {(name,) for name in heard.message} if self._is_folded else set()
-        rows = tree_rows(heard.message, folded)[first:]
+        # The first step down only leaves the picture behind.
+        begin = max(0, first - SCROLL_STEP) if heard.type == IMU else first
+        rows = tree_rows(heard.message, folded)[begin:]
         marks = {None: "  ", True: f"{self.glyphs.opened} ", False: f"{self.glyphs.closed} "}
         tree = [
             line(

@@ -10,7 +10,7 @@ from textual.containers import Container
 from textual.screen import Screen
 
 from rosbase_view.drawing.lines import Line
-from rosbase_view.pages.page import Edit
+from rosbase_view.pages.page import SCROLL_STEP, Edit
 from rosbase_view.source import Change
 from rosbase_view.terminal.lines_pane import LinesPane
 from rosbase_view.terminal.value_editor import ValueEditor
@@ -42,8 +42,8 @@ class MainScreen(Screen[None]):
         Binding("pagedown", "move_page(1)", show=False),
         Binding("home", f"move({-_FAR})", show=False),
         Binding("end", f"move({_FAR})", show=False),
-        Binding("left", "scroll_detail(-5)", show=False),
-        Binding("right", "scroll_detail(5)", show=False),
+        Binding("left", f"scroll_detail({-SCROLL_STEP})", show=False),
+        Binding("right", f"scroll_detail({SCROLL_STEP})", show=False),
         Binding("tab", "turn(1)", show=False),
         Binding("shift+tab", "turn(-1)", show=False),
         *(Binding(str(n + 1), f"turn_to({n})", show=False) for n in range(6)),

@@ -32,7 +32,7 @@ class ValueEditor(ModalScreen[str | None]):
         with Vertical():
             # Names come from other programs, and are no markup.
             yield Static(self._heading, markup=False)
-            yield Input(self._text)
+            yield Input(self._text, select_on_focus=False)
             yield Static("enter: set   escape: give up", markup=False)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:

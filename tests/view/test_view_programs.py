@@ -1,0 +1,176 @@
+"""`rosbase view` of programs that run, on a terminal: at 80x24 and at 160x50, in tmux."""
+
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from rosbase import SystemClock
+from rosbase.control import connect
+from rosbase_view.attached.source import AttachedSource
+from rosbase_view.known import Known
+from rosbase_view.source import ChangeState, Gaze, SetParameter
+from support.command import ROSBASE
+from support.launching import OwnTmux, has_tmux, own_tmux
+from support.operated import APP, Robots, pid_of, robots_in, run_both
+from support.waiting import wait_until
+
+pytestmark = pytest.mark.timeout(120)
+needs_tmux = pytest.mark.skipif(not has_tmux(), reason="tmux is not installed")
+SESSION = "view"
+
+
+@pytest.fixture
+def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robots]:
+    with robots_in(tmp_path, monkeypatch) as found:
+        yield found
+
+
+class Looking:
+    """A source and what is known from it."""
+
+    def __init__(self, source: AttachedSource) -> None:
+        self.source, self.known = source, Known()
+        self._clock = SystemClock()
+
+    def until(self, condition: Callable[[], object], what: str) -> None:
+        def step() -> object:
+            self.known.take(self.source.take(), self._clock.monotonic_ns())
+            return condition()
+
+        wait_until(step, what)
+
+
+@pytest.fixture
+def looking() -> Iterator[Looking]:
+    source = AttachedSource()
+    source.start()
+    yield Looking(source)
+    source.close()
+
+
+def test_a_program_is_seen_with_all_that_it_has(robots: Robots, looking: Looking) -> None:
+    pid = pid_of(robots.start(APP))
+    known, key = looking.known, ("/position", pid)
+    looking.until(lambda: key in known.topics and known.topics[key].total > 50, "messages")
+    rate_hz = known.topics[key].rate_hz
+    assert rate_hz is not None
+    assert rate_hz > 10.0
+    assert known.heard is None
+    looking.source.look_at(Gaze(topic=key))
+    looking.until(lambda: known.heard, "a message")
+    assert known.heard is not None
+    assert known.heard.message["z"] == -1.0
+    looking.until(lambda: any("five ticks" in one["text"] for one in known.log), "the log")
+    assert any(one["program"] == "/app" for one in known.loops)
+
+
+def test_a_program_is_changed(robots: Robots, looking: Looking) -> None:
+    pid = pid_of(robots.start(APP))
+    known, arm, robot = looking.known, ("/arm", pid), ("robot", pid)
+    looking.until(lambda: arm in known.nodes, "the node")
+    looking.source.look_at(Gaze(node=arm))
+    looking.until(lambda: known.node_report, "its transitions")
+    assert known.node_report is not None
+    transition = known.node_report.transitions[0]
+    before = known.nodes[arm].lifecycle
+    looking.source.change(ChangeState(arm, transition))
+    looking.until(lambda: known.nodes[arm].lifecycle != before, "another state")
+    looking.source.look_at(Gaze(node=robot))
+    looking.source.change(SetParameter(robot, "speed", "2"))
+    looking.until(lambda: "speed is set" in str(known.said(0)), "what became of it")
+    assert connect("app").get_parameters("robot")["speed"] == 2.0
+    looking.source.change(SetParameter(robot, "speed", "fast"))
+    looking.until(lambda: "speed is not set" in str(known.said(0)), "the refusal")
+
+
+def test_a_program_that_ends_and_starts_again_is_seen_again(
+    robots: Robots, looking: Looking
+) -> None:
+    first = robots.start(APP)
+    known = looking.known
+    looking.until(lambda: ("/position", pid_of(first)) in known.topics, "the topic")
+    first.process.send_signal(signal.SIGINT)
+    looking.until(lambda: not known.topics, "the end")
+    key = ("/position", pid_of(robots.start(APP)))
+    looking.until(lambda: key in known.topics and known.topics[key].total, "the topic again")
+
+
+def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -> None:
+    robots.start(APP)
+    source = AttachedSource("app")
+    source.check()
+    source.start()
+    found = Looking(source)
+    found.until(lambda: found.known.topics, "the topics")
+    source.close()
+    wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")  # type: ignore[typeddict-item]  # told beside what is typed
+
+
+def test_without_a_terminal_it_says_so_in_one_line(robots: Robots) -> None:
+    assert "needs a terminal" in run_both("view", "nobody", status=2)[1]
+
+
+def screen(tmux: OwnTmux) -> str:
+    return tmux("capture-pane", "-p", "-t", SESSION)
+
+
+def start_view(tmux: OwnTmux, columns: int, rows: int, **environment: str) -> None:
+    """Starts `rosbase view app` in a terminal of that size."""
+    given = {"XDG_RUNTIME_DIR": os.environ["XDG_RUNTIME_DIR"], "PYTHONUTF8": "1", **environment}
+    options = [word for name, value in given.items() for word in ("-e", f"{name}={value}")]
+    size = ["-x", str(columns), "-y", str(rows)]
+    tmux("new-session", "-d", "-s", SESSION, *size, *options, shlex.join([ROSBASE, "view", "app"]))
+
+
+@needs_tmux
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (160, 50)])
+def test_the_screen_in_tmux(robots: Robots, tmp_path: Path, columns: int, rows: int) -> None:
+    robots.start(APP)
+    with own_tmux(tmp_path) as tmux:
+        start_view(tmux, columns, rows)
+        wait_until(lambda: " Hz " in screen(tmux), "a rate")
+        wait_until(lambda: "z -1" in screen(tmux) or "z-1" in screen(tmux), "a message")
+        lines = screen(tmux).rstrip("\n").split("\n")
+        assert lines[0].startswith("[1 topics]")
+        assert "q quit" in lines[-1]
+        assert all(len(line) <= columns for line in lines)
+        tmux("send-keys", "-t", SESSION, "2")
+        wait_until(lambda: "[2 nodes]" in screen(tmux), "the nodes")
+        tmux("send-keys", "-t", SESSION, "q")
+        wait_until(lambda: not tmux("list-sessions"), "the end of the view")
+
+
+@needs_tmux
+def test_a_terminal_without_colour_and_without_unicode(robots: Robots, tmp_path: Path) -> None:
+    robots.start(APP)
+    with own_tmux(tmp_path) as tmux:
+        start_view(tmux, 80, 24, NO_COLOR="1", PYTHONUTF8="0", PYTHONIOENCODING="ascii")
+        wait_until(lambda: " Hz " in screen(tmux), "a rate")
+        coloured = tmux("capture-pane", "-p", "-e", "-t", SESSION)
+        assert "\x1b[3" not in coloured.replace("\x1b[39m", "")
+        assert screen(tmux).isascii()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs signals of Linux")
+def test_a_suspended_view_does_not_delay_the_program(robots: Robots) -> None:
+    robots.start(APP)
+    code = (
+        "from rosbase_view.attached.source import AttachedSource\n"
+        "source = AttachedSource('app'); source.start()\n"
+        "while not source.take(): pass\n"
+        "print('looks', flush=True); input()\n"
+    )
+    looker = robots.start_process([sys.executable, "-c", code])
+    assert looker.stdout is not None
+    assert looker.stdout.readline() == "looks\n"
+    looker.send_signal(signal.SIGSTOP)
+    before = connect("app").statistics()[0]
+    wait_until(lambda: connect("app").statistics()[0]["ticks"] > before["ticks"] + 200, "ticks")
+    after = connect("app").statistics()[0]
+    assert after["overruns"] - before["overruns"] <= 20
+    looker.send_signal(signal.SIGCONT)
