@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import re
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -47,6 +48,16 @@ class Stage:
         await pilot.pause()
 
 
+async def until(pilot: "Pilot[None]", condition: Callable[[], bool]) -> None:
+    """Lets the view go on until the condition holds."""
+
+    async def go_on() -> None:
+        while not condition():
+            await pilot.pause()
+
+    await asyncio.wait_for(go_on(), 20.0)
+
+
 def text_of(app: ViewApp) -> list[str]:
     """What the screen shows, line by line."""
     lines = []
@@ -54,6 +65,13 @@ def text_of(app: ViewApp) -> list[str]:
         pane = app.screen.query_one(f"#{name}", LinesPane)
         lines += [pane.render_line(y).text.rstrip() for y in range(pane.size.height)]
     return lines
+
+
+def picture_of(app: ViewApp) -> str:
+    """The screen as SVG, without the fonts that textual would have a browser fetch."""
+    return re.sub(
+        r"@font-face \{.*?\}\s*", "", app.export_screenshot(title="rosbase view"), flags=re.S
+    )
 
 
 def test_the_source_is_started_and_closed() -> None:
@@ -195,13 +213,15 @@ def test_any_size_of_a_terminal_will_do(size: tuple[int, int]) -> None:
 
 
 def test_a_terminal_may_change_its_size() -> None:
+    def is_beside(app: ViewApp) -> bool:
+        return any("│ /imu/data" in line for line in text_of(app))
+
     async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
+        # textual passes a new size on after a while.
         await pilot.resize_terminal(*LARGE)
-        await pilot.pause()
-        assert any("│ /imu/data" in line for line in text_of(app))
+        await until(pilot, lambda: is_beside(app))
         await pilot.resize_terminal(*SMALL)
-        await pilot.pause()
-        assert not any("│ /imu/data" in line for line in text_of(app))
+        await until(pilot, lambda: not is_beside(app))
 
     Stage().play(play)
 
@@ -230,7 +250,7 @@ def test_a_picture_of_each_page(page: str, size: tuple[int, int]) -> None:
         titles = [one.title for one in app.view.pages]
         await pilot.press(str(titles.index(page) + 1))
         await pilot.pause()
-        pictures.append(app.export_screenshot(title="rosbase view"))
+        pictures.append(picture_of(app))
 
     stage.play(play, size)
     if os.environ.get(UPDATE):

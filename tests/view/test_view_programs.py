@@ -115,6 +115,10 @@ def test_without_a_terminal_it_says_so_in_one_line(robots: Robots) -> None:
     assert "needs a terminal" in run_both("view", "nobody", status=2)[1]
 
 
+def test_the_command_explains_itself(robots: Robots) -> None:
+    assert "a program, or the pid of its process" in " ".join(run_both("view", "--help")[0].split())
+
+
 def screen(tmux: OwnTmux) -> str:
     return tmux("capture-pane", "-p", "-t", SESSION)
 
