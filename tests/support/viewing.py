@@ -188,5 +188,5 @@ def reports(topics: int = 5) -> list[Report]:
         *(Counted(key, 20 + number, 0.1) for number, key in enumerate(found.topics)),
         Logged([record]),
         Heard(IMU_TOPIC, IMU, 0, imu(), 0),
-        NodeReport(ARM, [speed, frame], ["activate", "cleanup", "inactive_shutdown"]),
+        NodeReport(ARM, [speed, frame], ["activate", "cleanup", "shutdown"]),
     ]

@@ -106,6 +106,18 @@ def test_only_rows_that_have_changed_are_made_anew() -> None:
     assert [y for y, line in enumerate(after) if y and line is not before[y]] == [1]
 
 
+def test_a_message_is_drawn_once() -> None:
+    view = view_of(reports())
+    size = PaneSize(60, 40, NOW)
+    before = view.draw_detail(size, is_beside=False)
+    view.known.take([Counted(IMU_TOPIC, 20, 0.1)], NOW)
+    after = view.draw_detail(size, is_beside=False)
+    # The rule, the name and the ends are made each time.
+    assert all(line is before[y] for y, line in enumerate(after) if y > 2)
+    view.known.take([Heard(IMU_TOPIC, "sensor_msgs/msg/Imu", 1, imu(31.0), 0)], NOW)
+    assert view.draw_detail(size, is_beside=False)[3] is not before[3]
+
+
 def test_an_imu_is_drawn_above_its_tree() -> None:
     lines = shown(view_of(reports()).draw_detail(PaneSize(60, 40, NOW), is_beside=True))
     assert lines[0] == "│ /imu/data"

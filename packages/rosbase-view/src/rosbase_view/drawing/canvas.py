@@ -14,49 +14,34 @@ class Canvas:
 
     def __init__(self, columns: int, rows: int, glyphs: Glyphs) -> None:
         """Begin with an empty picture."""
-        self._columns, self._rows = columns, rows
+        self._columns, self._rows = max(0, columns), max(0, rows)
         self._has_dots = glyphs.has_dots
-        across, down = (2, 4) if glyphs.has_dots else (1, 1)
-        self.width, self.height = columns * across, rows * down
+        self._across, self._down = (2, 4) if glyphs.has_dots else (1, 1)
+        self.width, self.height = self._columns * self._across, self._rows * self._down
         """Dots across and down."""
         self.aspect = 1.0 if glyphs.has_dots else 2.0
         """Height of a dot, with its width as the unit: a cell is twice as high as wide."""
-        self._dots: set[tuple[int, int]] = set()
-        self._marks: dict[tuple[int, int], str] = {}
+        # Dots of each cell that has any, as bits; most cells have none.
+        self._cells: dict[tuple[int, int], int] = {}
 
     def line(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
         """Draw from one point to another, both in dots from the upper left corner."""
         (x, y), (to_x, to_y) = begin, end
         steps = max(1, round(max(abs(to_x - x), abs(to_y - y))))
+        step_x, step_y = (to_x - x) / steps, (to_y - y) / steps
         for step in range(steps + 1):
-            share = step / steps
-            self._set(round(x + (to_x - x) * share), round(y + (to_y - y) * share))
-
-    def mark(self, at: tuple[float, float], character: str) -> None:
-        """Put a character into the cell of a point, over whatever is drawn there."""
-        across, down = (2, 4) if self._has_dots else (1, 1)
-        self._marks[round(at[0]) // across, round(at[1]) // down] = character
+            self._set(round(x + step_x * step), round(y + step_y * step))
 
     def text(self) -> list[str]:
         """Return the picture as one text for each row of cells."""
-        return [
-            "".join(self._cell(column, row) for column in range(self._columns))
-            for row in range(self._rows)
-        ]
+        rows = [[" "] * self._columns for _ in range(self._rows)]
+        for (column, row), bits in self._cells.items():
+            rows[row][column] = chr(_BRAILLE + bits) if self._has_dots else "*"
+        return ["".join(row) for row in rows]
 
     def _set(self, x: int, y: int) -> None:
         if 0 <= x < self.width and 0 <= y < self.height:
-            self._dots.add((x, y))
-
-    def _cell(self, column: int, row: int) -> str:
-        if (column, row) in self._marks:
-            return self._marks[column, row]
-        if not self._has_dots:
-            return "*" if (column, row) in self._dots else " "
-        bits = sum(
-            bit
-            for y, pair in enumerate(_BITS)
-            for x, bit in enumerate(pair)
-            if (column * 2 + x, row * 4 + y) in self._dots
-        )
-        return chr(_BRAILLE + bits) if bits else " "
+            column, dot_x = divmod(x, self._across)
+            row, dot_y = divmod(y, self._down)
+            cell = column, row
+            self._cells[cell] = self._cells.get(cell, 0) | _BITS[dot_y][dot_x]

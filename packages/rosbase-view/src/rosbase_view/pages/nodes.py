@@ -82,11 +82,11 @@ class NodesPage(BasePage):
         return ChangeState(_key(chosen), transition)
 
     def _offered(self, key: NodeKey) -> Sequence[str]:
-        """Return the transitions by their short names; a shutdown has one for each state."""
+        """Return the transitions that the node offers, as far as it has told."""
         report = self.known.node_report
         if report is None or report.node != key:
             return ()
-        return ["shutdown" if "shutdown" in label else label for label in report.transitions]
+        return report.transitions
 
 
 def _key(key: Hashable) -> NodeKey:

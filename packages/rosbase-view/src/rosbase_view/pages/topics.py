@@ -39,6 +39,8 @@ class TopicsPage(BasePage):
         super().__init__(known, glyphs)
         self._picture = ImuPicture(glyphs)
         self._is_folded = False
+        # The last message that was drawn, how it was drawn, and its lines.
+        self._drawn: tuple[Heard, tuple[object, ...], list[Line]] | None = None
         self._rows: dict[tuple[TopicKey, bool], tuple[object, Line]] = {}
 
     def keys(self) -> Sequence[TopicKey]:
@@ -88,7 +90,14 @@ class TopicsPage(BasePage):
         ]
         if heard is None or heard.topic != key:
             return [*lines, line(Span("no message yet", Ink.DIM))]
-        return [*lines, *self._message(heard, pane, first)][: pane.height]
+        return [*lines, *self._message_lines(heard, pane, first)][: pane.height]
+
+    def _message_lines(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
+        """Return the lines of a message: those of before, if it is the same one."""
+        how = (pane.width, pane.height, first, self._is_folded)
+        if self._drawn is None or self._drawn[0] is not heard or self._drawn[1] != how:
+            self._drawn = (heard, how, self._message(heard, pane, first))
+        return self._drawn[2]
 
     def _message(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
         room = pane.height - 2
