@@ -111,6 +111,22 @@ def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -
     wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")  # type: ignore[typeddict-item]  # told beside what is typed
 
 
+def test_a_thread_that_fails_ends_the_view_and_is_not_silent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise KeyError("an answer of another version")
+
+    monkeypatch.setattr("rosbase_view.attached.source.survey", fail)
+    source = AttachedSource()
+    source.start()
+    try:
+        with pytest.raises(KeyError, match="another version"):
+            Looking(source).until(lambda: False, "the error")
+    finally:
+        source.close()
+
+
 def test_without_a_terminal_it_says_so_in_one_line(robots: Robots) -> None:
     assert "needs a terminal" in run_both("view", "nobody", status=2)[1]
 

@@ -37,12 +37,13 @@ class AttachedSource:
         self._name = name
         self._clock = clock or SystemClock()
         self._inbox = Inbox()
-        self._streams = Streams(self._inbox.put_event, self._refused)
+        self._streams = Streams(self._inbox.put_event, self._refused, self._fail)
         self._silent_until: dict[str, TimeLimit] = {}
         self._nodes = NodeAsker()
         self._gaze = Gaze()
         self._poke = threading.Event()
         self._is_closed = False
+        self._failure: Exception | None = None
         self._was_there = True
         self._thread = background_thread(self._run, "rosbase view survey")
 
@@ -61,7 +62,13 @@ class AttachedSource:
         self._thread.start()
 
     def take(self) -> Sequence[Report]:
-        """Return what was reported since the last call."""
+        """Return what was reported since the last call.
+
+        Raises:
+            Exception: A thread has ended with it, so that the view would show old data as new.
+        """
+        if self._failure is not None:
+            raise self._failure
         return self._inbox.take()
 
     def look_at(self, gaze: Gaze) -> None:
@@ -87,6 +94,15 @@ class AttachedSource:
         self._streams.close()
 
     def _run(self) -> None:
+        try:
+            self._look()
+        except Exception as error:
+            self._fail(error)
+
+    def _fail(self, error: Exception) -> None:
+        self._failure = error
+
+    def _look(self) -> None:
         found = Survey((), {}, (), (), ())
         due_ns = self._clock.monotonic_ns()
         while not self._is_closed:

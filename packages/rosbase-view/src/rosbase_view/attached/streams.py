@@ -22,15 +22,22 @@ _MOST_OPEN = 60
 class Streams:
     """Keeps the streams open that are wanted, and passes their events on."""
 
-    def __init__(self, on_event: OnEvent, on_refused: Callable[[Tag, str], object]) -> None:
-        """Prepare the thread. It calls both functions, which must be quick and must not raise.
+    def __init__(
+        self,
+        on_event: OnEvent,
+        on_refused: Callable[[Tag, str], object],
+        on_failure: Callable[[Exception], object],
+    ) -> None:
+        """Prepare the thread. It calls the functions, which must be quick.
 
         Args:
             on_event: Takes the events.
             on_refused: Takes the reason why a stream was not opened. It is not asked for again
                 while it is wanted with the same arguments.
+            on_failure: Takes an error that should not happen, with which the thread ends.
         """
         self._on_event, self._on_refused = on_event, on_refused
+        self._on_failure = on_failure
         self._wake = WakePipe()
         self._lock = threading.Lock()
         self._wanted: Mapping[Tag, Question] = {}
@@ -76,6 +83,8 @@ class Streams:
                 if wanted is not self._adjusted:
                     self._adjusted = wanted
                     self._adjust(wanted, poll)
+        except Exception as error:
+            self._on_failure(error)
         finally:
             for link in self._links.values():
                 link.connection.close()
