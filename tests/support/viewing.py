@@ -156,7 +156,6 @@ def survey(topics: int = 5) -> Survey:
         [made_process()],
         found,
         [NodeRow(ROBOT, "/quadruped", None), NodeRow(ARM, "/quadruped", "inactive")],
-        [{"name": "/arm", "pid": PID, "state": "inactive", "id": 2}],
         [loop],
     )
 

@@ -193,7 +193,7 @@ def test_only_lines_that_have_changed_are_drawn_anew() -> None:
     stage.play(play, LARGE)
 
 
-def test_a_click_chooses_a_row_and_the_wheel_moves() -> None:
+def test_a_click_chooses_a_row() -> None:
     stage = Stage()
 
     async def play(app: ViewApp, pilot: "Pilot[None]") -> None:

@@ -76,7 +76,7 @@ def test_every_page_says_when_nothing_runs(page: int) -> None:
     view = View(Known(), UNICODE)
     view.turn_to(page)
     assert shown(view.draw_list(SMALL))[1] == "  looking for programs"
-    view.known.take([Survey((), {}, (), (), ())], NOW)
+    view.known.take([Survey((), {}, (), ())], NOW)
     assert shown(view.draw_list(SMALL))[1] == "  no program runs"
     assert view.chosen is None
     view.move(3)
@@ -176,7 +176,7 @@ def test_the_chosen_row_is_always_shown(moves: list[int], height: int) -> None:
         assert len(marked) == 1
 
 
-def test_a_click_chooses_the_row_below_it() -> None:
+def test_a_click_chooses_the_row_under_it() -> None:
     view = view_of([survey(50)])
     view.move(49)
     drawn = shown(view.draw_list(SMALL))
@@ -273,8 +273,8 @@ def test_loop_times_have_percentiles_and_a_histogram() -> None:
 
 
 def test_programs_have_their_state_and_share_of_the_processor() -> None:
-    view = view_of([Survey([made_process(cpu_ns=0)], {}, (), (), ())], page=PROGRAMS)
-    later = Survey([made_process(cpu_ns=250_000_000)], {}, (), (), ())
+    view = view_of([Survey([made_process(cpu_ns=0)], {}, (), ())], page=PROGRAMS)
+    later = Survey([made_process(cpu_ns=250_000_000)], {}, (), ())
     view.known.take([later], NOW + 1_000_000_000)
     row = shown(view.draw_list(LARGE))[1]
     assert "running: walk" in row
@@ -283,7 +283,7 @@ def test_programs_have_their_state_and_share_of_the_processor() -> None:
 
 def test_a_program_that_waits_says_for_what() -> None:
     waiting = made_program(phase="handshake", waiting_for=["imu"])
-    view = view_of([Survey([made_process(PID, waiting)], {}, (), (), ())], page=PROGRAMS)
+    view = view_of([Survey([made_process(PID, waiting)], {}, (), ())], page=PROGRAMS)
     assert "waiting for imu" in shown(view.draw_list(LARGE))[1]
 
 

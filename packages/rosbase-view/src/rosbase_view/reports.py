@@ -5,7 +5,7 @@ from typing import Any, TypeAlias
 
 from attrs import frozen
 
-from rosbase.control.shapes import LifecycleState, LogRecord, Process, Statistics, Topic
+from rosbase.control.shapes import LogRecord, Process, Statistics, Topic
 
 __all__ = [
     "Counted",
@@ -43,7 +43,6 @@ class Survey:
     processes: Sequence[Process]
     topics: Mapping[TopicKey, Topic]
     nodes: Sequence[NodeRow]
-    lifecycles: Sequence[LifecycleState]
     loops: Sequence[Statistics]
 
 

@@ -103,7 +103,7 @@ class AttachedSource:
         self._failure = error
 
     def _look(self) -> None:
-        found = Survey((), {}, (), (), ())
+        found = Survey((), {}, (), ())
         due_ns = self._clock.monotonic_ns()
         while not self._is_closed:
             now_ns = self._clock.monotonic_ns()
@@ -125,7 +125,7 @@ class AttachedSource:
                 # Said once; the view goes on, because the program may be started again.
                 self._inbox.put(Said(str(error), is_error=True))
             self._was_there = False
-            return Survey((), {}, (), (), ())
+            return Survey((), {}, (), ())
         self._was_there = True
         return found
 

@@ -17,7 +17,6 @@ _ASKS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("process", {}),
     ("topic.list", {}),
     ("node.list", {}),
-    ("lifecycle.list", {}),
     ("statistics", {}),
 )
 
@@ -46,8 +45,7 @@ def survey(
         processes,
         _topics(own, processes),
         _nodes(own),
-        [{**one, "pid": pid} for pid, one in _each(own, 3, "nodes")],
-        [{**one, "pid": pid} for pid, one in _each(own, 4, "programs")],
+        [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")],
     )
 
 
