@@ -71,9 +71,11 @@ def test_the_quadruped_is_looked_at_as_on_the_page(robots: Robots) -> None:
 
 
 def test_the_stop_of_the_quadruped_is_pressed_as_on_the_page(robots: Robots) -> None:
-    process = example(robots, "quadruped", "Quadruped")
     (words,) = commands_of("topic pub")
     command = robots.start_command(*words)
+    assert command.stdout is not None
+    assert command.stdout.readline().startswith("Waiting for ")
+    process = robots.start_process([sys.executable, "-W", "error", "docs/examples/quadruped"], ROOT)
     shown, told = command.communicate(timeout=30)
     # The stop ends the program, perhaps before the last message.
     assert (command.returncode, told) in (

@@ -112,10 +112,18 @@ def test_so_is_an_answer_of_the_standard_services_of_a_node(
         assert ask(asker, served, rmw, kind, f"/test_node/{name}") is not None
 
 
+def of_python(cause: Exception) -> SystemError:
+    """What Python makes of an exception that a function in C has left behind, as rclpy's does."""
+    error = SystemError("returned a result with an exception set")
+    error.__cause__ = cause
+    return error
+
+
 @pytest.mark.parametrize(
     ("error", "reason"),
     [
         (RuntimeWarning(LOST), "the client has not been discovered"),
+        (of_python(RuntimeWarning(LOST)), "the client has not been discovered"),
         (RCLError("no room\nleft"), "no room left"),
     ],
 )
@@ -130,3 +138,11 @@ def test_an_answer_that_is_never_sent_is_one_line_of_warning(
     answers.Answers(send, "/late", said.append).send("yes", "header")
     wait_until(lambda: said, "the warning")
     assert said == [f"/late: ROS did not send an answer: {reason}"]
+
+
+def test_another_fault_of_a_function_in_c_is_raised() -> None:
+    def send(response: Any, header: Any) -> None:
+        raise of_python(ValueError("something else"))
+
+    with pytest.raises(SystemError):
+        answers.Answers(send, "/late", print).send("yes", "header")

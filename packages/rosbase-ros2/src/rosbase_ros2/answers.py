@@ -61,8 +61,11 @@ class Answers:
         except InvalidHandle:
             # It has been destroyed meanwhile.
             return True
-        except RuntimeWarning:
-            # The warning of rclpy, where the program makes errors of warnings.
+        except (RuntimeWarning, SystemError) as error:
+            # The warning of rclpy, where the program makes errors of warnings. rclpy goes on as if
+            # there were none, which Python says in an error of its own.
+            if isinstance(error, SystemError) and not isinstance(error.__cause__, RuntimeWarning):
+                raise
             return False
         except RCLError as error:
             self._say(Refusals.reason(error))

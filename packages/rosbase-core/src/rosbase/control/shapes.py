@@ -210,7 +210,7 @@ class LogRecord(TypedDict):
 
     pid: int
     stamp_ns: int
-    level: str
+    level: int
     name: str
     text: str
 

@@ -157,7 +157,7 @@ def load(given: Any) -> int:
     }
     results = questions.set_parameters(given.node, values) if values else {}
     failures = len(unknown)
-    for name, result in results.items():
+    for name, result in sorted(results.items()):
         texts = f"Set parameter {name} successful", f"Set parameter {name} failed"
         failures += _report("", texts, result)
     for line in unknown:

@@ -106,9 +106,11 @@ class Tmux:
         """Show the name of a program above its pane."""
         self.run("select-pane", "-t", pane.number, "-T", _literal(name))
 
-    def respawn(self, pane: Pane, command: str) -> None:
-        """Run a command in a pane whose command has ended."""
+    def respawn(self, pane: Pane, command: str) -> Pane:
+        """Run a command in a pane whose command has ended; return it with its new terminal."""
         self.run("respawn-pane", "-t", pane.number, command)
+        words = ("display-message", "-p", "-t", pane.number, "#{pane_tty}")
+        return Pane(pane.number, self.run(*words).strip())
 
     def is_alive(self, pane: Pane) -> bool:
         """Return whether a pane exists and its command runs."""

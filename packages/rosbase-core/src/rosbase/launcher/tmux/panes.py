@@ -43,6 +43,8 @@ class Panes:
         self._clock = clock
         self._lock = threading.RLock()
         self._panes: dict[str, Pane] = {}
+        # When the terminal of each was made: later, its path may be that of somebody else.
+        self._made_ns: dict[str, int] = {}
         self._sizes = sizes
         self._sessions: set[str] = set()
         # New connections, and panes that wait for an order.
@@ -80,7 +82,7 @@ class Panes:
             old = self._panes.get(program.key)
             if old is not None:
                 try:
-                    self._tmux.respawn(old, f"exec {command}")
+                    self._note(program.key, self._tmux.respawn(old, f"exec {command}"))
                     return
                 except OSError:
                     # Somebody has closed it.
@@ -93,7 +95,7 @@ class Panes:
                 self._sessions.add(program.session)
                 self._tmux.note(program.session, "rosbase_launcher", str(os.getpid()))
             self._tmux.name_pane(pane, program.name)
-            self._panes[program.key] = pane
+            self._note(program.key, pane)
 
     def take(self, program: Program) -> socket.socket:
         """Return the connection to the pane of a program; open the pane if there is none.
@@ -158,7 +160,8 @@ class Panes:
             # It is closed.
             return
         try:
-            os.write(terminal, f"{line}\r\n".encode(errors="replace"))
+            if os.fstat(terminal).st_ctime_ns == self._made_ns[key]:
+                os.write(terminal, f"{line}\r\n".encode(errors="replace"))
         except OSError:
             # Somebody has stopped it with Ctrl-S, or it is closed.
             pass
@@ -181,6 +184,14 @@ class Panes:
             os.close(output)
             raise
         return output
+
+    def _note(self, key: str, pane: Pane) -> None:
+        self._panes[key] = pane
+        try:
+            self._made_ns[key] = os.stat(pane.terminal).st_ctime_ns
+        except OSError:
+            # It is closed already.
+            self._made_ns[key] = 0
 
     def _is_alive(self, key: str) -> bool:
         """Return whether the script in a pane runs; it may be about to connect again."""
