@@ -26,7 +26,7 @@ _FAR = 1_000_000
 class MainScreen(Screen[None]):
     """Heading, list, details and status."""
 
-    CSS = """
+    DEFAULT_CSS = """
     #heading, #status { height: 1; }
     #panes { layout: vertical; height: 1fr; }
     #list, #detail { height: 1fr; width: 1fr; }
@@ -80,6 +80,9 @@ class MainScreen(Screen[None]):
     def on_key(self, event: events.Key) -> None:
         """Pass a key to the page."""
         done = self._view.press(event.key)
+        if done is not None:
+            # The editor that is about to open must not take the same key.
+            event.stop()
         if isinstance(done, Change):
             self._on_change(done)
         elif done is not None:
