@@ -92,7 +92,7 @@ def test_the_screen_shows_topics_and_the_message_of_the_first() -> None:
         shown = text_of(app)
         assert any("/imu/data" in line and "200.0 Hz" in line for line in shown)
         assert any("yaw   30.0" in line for line in shown)
-        assert stage.source.gazes == [Gaze(topic=IMU_TOPIC)]
+        assert stage.source.gazes == [Gaze(topics=frozenset({IMU_TOPIC}))]
 
     stage.play(play)
 

@@ -13,7 +13,7 @@ from rosbase_view.attached.inbox import Inbox
 from rosbase_view.attached.wanted import Tag, wanted
 from rosbase_view.known import MOST_RECORDS
 from rosbase_view.reports import Counted, Heard, Logged, Said, TopicKey
-from rosbase_view.source import Gaze
+from rosbase_view.source import Gaze, Pace
 from support.viewing import IMU_TOPIC, PID, made_process, made_program, made_topic, survey
 
 POINT = "geometry_msgs/msg/Point"
@@ -63,7 +63,7 @@ def test_children_in_a_circle_are_taken_once() -> None:
 def test_only_the_topic_that_is_looked_at_sends_messages() -> None:
     streams = wanted(survey(), Gaze())
     assert {tag.kind for tag in streams} == {"log", "count"}
-    with_gaze = wanted(survey(), Gaze(topic=IMU_TOPIC))
+    with_gaze = wanted(survey(), Gaze(topics=frozenset({IMU_TOPIC})))
     new = set(with_gaze) - set(streams)
     assert new == {Tag("echo", IMU_TOPIC, PID)}
     assert with_gaze[new.pop()].arguments == {
@@ -123,17 +123,39 @@ def test_the_last_message_is_read_and_those_before_are_not() -> None:
     inbox = Inbox()
     heard(inbox, b"no message at all")
     heard(inbox, bytes(serialize(Point(1.0, 2.0, 3.0))))
-    message = {"x": 1.0, "y": 2.0, "z": 3.0}
-    assert inbox.take() == [Heard(("/p", PID), POINT, 5, message, 7)]
+    (last,) = inbox.take()
+    assert isinstance(last, Heard)
+    assert (last.topic, last.type, last.stamp_ns, last.dropped) == (("/p", PID), POINT, 5, 7)
+    assert last.message == {"x": 1.0, "y": 2.0, "z": 3.0}
+    # It is read once.
+    assert last.message is last.message
 
 
-def test_a_message_that_cannot_be_read_is_one_line() -> None:
+def test_each_message_is_kept_if_all_are_wanted() -> None:
     inbox = Inbox()
-    heard(inbox, b"\0\1\0\0 too short")
-    (said,) = inbox.take()
-    assert isinstance(said, Said)
-    assert said.is_error
-    assert said.text.startswith("cannot read /p: ")
+    inbox.pace = Pace.ALL
+    for number in range(3):
+        heard(inbox, bytes([number]))
+    assert [one.data for one in inbox.take() if isinstance(one, Heard)] == [b"\0", b"\1", b"\2"]
+
+
+def test_messages_that_nobody_takes_are_counted_and_do_not_add_up() -> None:
+    inbox = Inbox()
+    inbox.pace = Pace.ALL
+    for _ in range(10_003):
+        heard(inbox, b"")
+    taken = inbox.take()
+    assert len(taken) == 10_000
+    assert isinstance(taken[-1], Heard)
+    assert taken[-1].dropped == 7 + 3
+
+
+def test_whoever_waits_is_told_of_news() -> None:
+    news: list[str] = []
+    inbox = Inbox(lambda: news.append("news"))
+    count(inbox, IMU_TOPIC, PID, 1)
+    inbox.put(Said("done"))
+    assert news == ["news"] * 2
 
 
 def test_the_log_keeps_its_newest_records_in_order() -> None:

@@ -1,50 +1,54 @@
-"""`rosbase view`: look at running programs in a terminal."""
+"""`rosbase view`: look at running programs, or at a recording."""
 
 import argparse
-import os
-import sys
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
-from rosbase import ConfigurationError, SystemClock
-from rosbase_view.attached.source import AttachedSource
-from rosbase_view.drawing.glyphs import ASCII, UNICODE
+from rosbase import ConfigurationError
+from rosbase_view.options import add_arguments, options_of
+from rosbase_view.sources import open_source
 
 __all__ = ["configure", "run"]
+
+# Each has `check(options)`, before anything is opened, and `run(source, options)`.
+_VIEWS = {
+    "terminal": "rosbase_view.terminal.show",
+    "web": "rosbase_view.web.show",
+    "foxglove": "rosbase_view.foxglove.show",
+}
+# Modules of the extras, which have the names of the views.
+_NEEDS = {"web": "viser", "foxglove": "foxglove"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument(
-        "name",
-        nargs="?",
-        metavar="NAME",
-        help="a program, or the pid of its process; with its child processes (default: all)",
-    )
+    add_arguments(parser)
 
 
 def run(arguments: Any) -> int:
-    """Show the view until the user ends it.
+    """Show the view until the user ends it; return the exit status.
 
     Raises:
-        ConfigurationError: There is no terminal.
+        ConfigurationError: There is no terminal, an extra is not installed, or the arguments do
+            not go together.
         ControlError: No program has that name, or several have.
     """
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise ConfigurationError("rosbase view needs a terminal")
-    # Before the screen changes, so that a wrong name is one line.
-    source = AttachedSource(arguments.name)
-    source.check()
-    # textual takes a tenth of a second to import.
-    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415 - not for a mistake
+    options = options_of(arguments, _mistake)
+    needed = _NEEDS.get(options.view)
+    if needed is not None and find_spec(needed) is None:
+        raise ConfigurationError(
+            f"rosbase view --{options.view} needs {needed}:"
+            f" pip install 'rosbase-view[{options.view}]'"
+        )
+    # The libraries of the views take a tenth of a second and more to import.
+    view = import_module(_VIEWS[options.view])
+    view.check(options)
+    # Before a screen changes or a port is opened, so that a wrong name is one line.
+    source = open_source(options.name)
+    status: int = view.run(source, options)
+    return status
 
-    glyphs = UNICODE if _is_utf8() else ASCII
-    app = ViewApp(source, SystemClock(), glyphs)
-    app.run()
-    return app.return_code or 0
 
-
-def _is_utf8() -> bool:
-    """Return whether the terminal shows more than ASCII, as far as the environment tells."""
-    encoding = (sys.stdout.encoding or "").lower().replace("-", "")
-    # The console of Linux has a font of 256 characters.
-    return encoding == "utf8" and os.environ.get("TERM") != "linux"
+def _mistake(text: str) -> None:
+    raise ConfigurationError(text)

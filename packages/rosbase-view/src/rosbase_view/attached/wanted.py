@@ -7,7 +7,7 @@ from attrs import frozen
 
 from rosbase.control.buses import buses, observers, on_several
 from rosbase_view.reports import Survey, TopicKey
-from rosbase_view.source import Gaze
+from rosbase_view.source import Gaze, Pace
 
 __all__ = ["Question", "Tag", "wanted"]
 
@@ -15,7 +15,10 @@ _NO_TOPIC: TopicKey = ("", 0)
 # A report costs a program some tens of microseconds: all topics together send 100 a second at most.
 _REPORTS_HZ = 100.0
 _INTERVALS_S = (0.1, 0.2, 0.5, 1.0)
-_ECHO_EVERY_NS = 50_000_000
+_ECHOES = {
+    Pace.NEWEST: {"limit": 1, "every_ns": 50_000_000},
+    Pace.ALL: {"limit": 10_000, "every_ns": 0},
+}
 _LAST_RECORDS = 1_000
 
 
@@ -57,9 +60,9 @@ def wanted(survey: Survey, gaze: Gaze) -> dict[Tag, Question]:
                 found[Tag("count", key, pid)] = Question(
                     "topic.count", {**name, "every_ns": every_ns, "with": ["interval"]}
                 )
-                if key == gaze.topic:
+                if key in gaze.topics:
                     found[Tag("echo", key, pid)] = Question(
-                        "topic.echo", {**name, "limit": 1, "every_ns": _ECHO_EVERY_NS}
+                        "topic.echo", {**name, **_ECHOES[gaze.pace]}
                     )
     return found
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Sequence
 
+from rosbase import WireError
 from rosbase_view.drawing.figures import age, rate
 from rosbase_view.drawing.glyphs import Glyphs
 from rosbase_view.drawing.lines import Ink, Line, Span, clipped, line
@@ -78,7 +79,7 @@ class TopicsPage(BasePage):
         """Return the ends of the topic, and its last message: a picture, if it has one."""
         if key is None:
             return []
-        topic, heard = self.known.topics[_key(key)], self.known.heard
+        topic, heard = self.known.topics[_key(key)], self.known.heard.get(_key(key))
         ends = topic.topic
         lost = f", {topic.dropped} lost by them" if topic.dropped else ""
         lines = [
@@ -88,9 +89,13 @@ class TopicsPage(BasePage):
                 f" subscriptions{lost}"
             ),
         ]
-        if heard is None or heard.topic != key:
+        if heard is None:
             return [*lines, line(Span("no message yet", Ink.DIM))]
-        return [*lines, *self._message_lines(heard, pane, first)][: pane.height]
+        try:
+            message = self._message_lines(heard, pane, first)
+        except WireError as error:
+            message = [line(Span(clipped(f"cannot be read: {error}", pane.width), Ink.BAD))]
+        return [*lines, *message][: pane.height]
 
     def _message_lines(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
         """Return the lines of a message: those of before, if it is the same one."""
@@ -121,7 +126,7 @@ class TopicsPage(BasePage):
 
     def gaze(self, key: Hashable | None) -> Gaze:
         """Look at the messages of the topic."""
-        return Gaze(topic=None if key is None else _key(key))
+        return Gaze(topics=frozenset(() if key is None else (_key(key),)))
 
     def press(self, key: str, chosen: Hashable | None) -> Change | Edit | int | None:
         """Fold or unfold the message."""
