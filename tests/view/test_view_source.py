@@ -52,14 +52,6 @@ def test_a_name_of_two_programs_is_ambiguous() -> None:
     assert caught.value.kind == "ambiguous"
 
 
-def test_children_in_a_circle_are_taken_once() -> None:
-    def having(pid: int, child: int) -> Any:
-        children = [{"name": "x", "pid": child, "running": True}]
-        return made_process(pid, made_program(f"/p{pid}", children=children))
-
-    assert [p["pid"] for p in chosen([having(1, 2), having(2, 1)], "p1")] == [1, 2]
-
-
 def test_only_the_topic_that_is_looked_at_sends_messages() -> None:
     streams = wanted(survey(), Gaze())
     assert {tag.kind for tag in streams} == {"log", "count"}
