@@ -9,6 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from textual.events import Key
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -141,6 +142,22 @@ def test_a_parameter_is_edited() -> None:
         await pilot.press("end", "q", "2", "enter")
         await pilot.pause()
         assert stage.source.changes == [SetParameter(ARM, "speed", "1.5q2")]
+
+    stage.play(play)
+
+
+def test_keys_that_come_together_keep_their_order() -> None:
+    stage = Stage()
+
+    async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
+        await pilot.press("2", "enter", "enter")
+        await pilot.pause()
+        for key in ("left", "backspace", "2", "right", "backspace", "7", "enter"):
+            event = Key(key, key if len(key) == 1 else None)
+            event.set_sender(app)
+            app.post_message(event)
+        await until(pilot, lambda: bool(stage.source.changes))
+        assert stage.source.changes == [SetParameter(ARM, "speed", "127")]
 
     stage.play(play)
 
@@ -280,7 +297,6 @@ def test_a_picture_of_each_page(
     if MADE_WITH not in before:
         pytest.skip("another version writes the same screen in another way; nox has the right one")
     assert pictures[0] == before, f"if it should look so, set {UPDATE}=1 and run again"
-
 
 
 def test_the_pictures_are_made_with_the_textual_that_nox_installs() -> None:
