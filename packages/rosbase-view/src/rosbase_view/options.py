@@ -60,8 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--token",
         metavar="TEXT",
-        help="with --web: secret in the address of the page (default: a new one, unless only"
-        " this machine can connect)",
+        help="with --web: secret in the address of the page (default: a new one)",
     )
 
 
