@@ -11,6 +11,7 @@ import os
 import shutil
 import signal
 import subprocess
+import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,7 @@ __all__ = ["Browser", "browser", "chromium"]
 _FLAGS = (
     "--headless",
     "--no-sandbox",
+    "--disable-dev-shm-usage",
     # WebGL on a machine without a graphics processor.
     "--use-gl=angle",
     "--use-angle=swiftshader",
@@ -38,11 +40,21 @@ _FLAGS = (
     "--remote-debugging-port=0",
 )
 _SIZE = (1100, 900)
+_TIMEOUT_MS = 25_000
+_TEXT = (
+    "[document.body?.innerText ?? '',"
+    " ...[...document.querySelectorAll('input')].map(one => one.value)].join('\\n')"
+)
+_BUTTONS = (
+    "[...document.querySelectorAll('button')].filter(one => one.offsetParent)"
+    ".map(one => one.innerText.trim())"
+)
 
 
 def chromium() -> str | None:
     """The path of Chromium, or None where it is not installed."""
-    return shutil.which("chromium") or shutil.which("chromium-browser")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    return next((path for name in names if (path := shutil.which(name))), None)
 
 
 class Browser:
@@ -69,35 +81,41 @@ class Browser:
         self.ask("Page.navigate", url=url)
 
     def run(self, script: str) -> Any:
-        """Gives the value of a JavaScript expression in the page."""
-        found = self.ask("Runtime.evaluate", expression=script, returnByValue=True)
+        """Gives the value of a JavaScript expression in the page, or that of its promise."""
+        found = self.ask(
+            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
+        )
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
     @property
     def text(self) -> str:
         """The text that the page shows, and the values of its inputs."""
-        script = (
-            "[document.body?.innerText ?? '',"
-            " ...[...document.querySelectorAll('input')].map(one => one.value)].join('\\n')"
-        )
-        return str(self.run(script))
+        return str(self.run(_TEXT))
 
-    def until(self, text: str) -> None:
-        """Waits until the page shows a text."""
-        try:
-            wait_until(lambda: text in self.text, text)
-        except AssertionError as error:
-            raise AssertionError(f"{error}, not only {self.text!r}") from None
+    def until(self, *texts: str) -> None:
+        """Waits until the page shows all of these texts."""
+        self.until_true(f"{json.dumps(texts)}.every(one => ({_TEXT}).includes(one))", str(texts))
+
+    def until_true(self, condition: str, what: str) -> None:
+        """Waits until an expression is true; the page looks itself, ten times a second."""
+        script = f"""new Promise(resolve => {{
+            const end = Date.now() + {_TIMEOUT_MS};
+            const look = () => {condition} ? resolve(true)
+                : Date.now() > end ? resolve(false) : setTimeout(look, 100);
+            look();
+        }})"""
+        assert self.run(script), f"waited for {what}, not only {self.text!r}"
 
     @property
     def buttons(self) -> set[str]:
         """The labels of the buttons that the page shows."""
-        script = (
-            "[...document.querySelectorAll('button')].filter(one => one.offsetParent)"
-            ".map(one => one.innerText.trim())"
-        )
-        return set(self.run(script))
+        return set(self.run(_BUTTONS)) - {""}
+
+    def until_buttons(self, *labels: str) -> None:
+        """Waits until the page shows these buttons and no others."""
+        shown = f"{_BUTTONS}.filter(one => one).sort().join()"
+        self.until_true(f"{shown} === {json.dumps(','.join(sorted(labels)))}", str(labels))
 
     def press(self, label: str) -> None:
         """Presses the button, or the option of an open drop-down, with that label."""
@@ -113,13 +131,8 @@ class Browser:
             "[...document.querySelectorAll('input')]"
             f".filter(one => one.value === {json.dumps(before)})[0].click()"
         )
-        wait_until(
-            lambda: (
-                label
-                in self.run("[...document.querySelectorAll('[role=option]')].map(o => o.innerText)")
-            ),
-            f"the option {label}",
-        )
+        options = "[...document.querySelectorAll('[role=option]')].map(one => one.innerText)"
+        self.until_true(f"{options}.includes({json.dumps(label)})", f"the option {label}")
         self.press(label)
 
     def screenshot(self) -> bytes:
@@ -146,12 +159,12 @@ def browser(folder: Path) -> Iterator[Browser]:
     finally:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+        # Its processes may still write to it for a moment.
+        shutil.rmtree(profile, ignore_errors=True)
 
 
 def _page_of(profile: Path) -> str:
     """The address of the page's socket."""
-    import urllib.request
-
     told = profile / "DevToolsActivePort"
     wait_until(lambda: told.exists() and len(told.read_text().split()) == 2, "Chromium")
     port = told.read_text().split()[0]

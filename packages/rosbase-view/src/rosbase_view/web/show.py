@@ -1,5 +1,9 @@
 """Show a source in browsers."""
 
+import contextlib
+import signal
+from collections.abc import Iterator
+
 from rosbase import SystemClock
 from rosbase_view.options import Options
 from rosbase_view.source import Source
@@ -8,6 +12,8 @@ from rosbase_view.web.page import Page
 from rosbase_view.web.server import bind
 
 __all__ = ["check", "run"]
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 def check(options: Options) -> None:
@@ -21,7 +27,7 @@ def check(options: Options) -> None:
 
 
 def run(source: Source, options: Options) -> int:
-    """Serve the page until Ctrl-C; return the exit status.
+    """Serve the page until Ctrl-C or SIGTERM; return the exit status.
 
     Raises:
         ConfigurationError: The port is in use, or this machine does not have the address.
@@ -31,10 +37,29 @@ def run(source: Source, options: Options) -> int:
     # A port of 0 is one that is free.
     port = listening.getsockname()[1]
     page = Page(source, listening, token, SystemClock())
-    print(f"rosbase view: open {page_url(options.host, port, token)} (Ctrl-C to end)", flush=True)
     try:
-        page.run()
+        with _interruptible():
+            print(
+                f"rosbase view: open {page_url(options.host, port, token)} (Ctrl-C to end)",
+                flush=True,
+            )
+            page.run()
     except KeyboardInterrupt:
         # The way to end it.
         pass
     return 0
+
+
+@contextlib.contextmanager
+def _interruptible() -> Iterator[None]:
+    """Raise KeyboardInterrupt for Ctrl-C, which ends other commands at once, and for SIGTERM."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in _SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
