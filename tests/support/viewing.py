@@ -1,7 +1,7 @@
 """What a view shows, without programs: reports that are made, a source that gives them, a clock."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from rosbase.clock import SystemClock
@@ -190,6 +190,13 @@ def imu_heard(yaw_degrees: float = 30.0, **fields: Any) -> Heard:
     return Heard(IMU_TOPIC, IMU, IMU_SCHEMA, 0, data)
 
 
+def counted(key: TopicKey, number: int) -> Iterator[Counted]:
+    """Eight seconds of a topic: the first one is even, the others come and go."""
+    for step in range(16):
+        part = 1.0 if number == 0 else 0.55 + 0.45 * math.sin(0.5 * step + number)
+        yield Counted(key, round((100 - number) * part), 0.5, (15 - step) * 0.5)
+
+
 def reports(topics: int = 5) -> list[Report]:
     """Everything that a source may tell, at one moment."""
     found = survey(topics)
@@ -200,7 +207,7 @@ def reports(topics: int = 5) -> list[Report]:
     frame = ParameterRow("frame_id", "string", "imu_link", "Frame of the IMU.", "", True)
     return [
         found,
-        *(Counted(key, 20 + number, 0.1) for number, key in enumerate(found.topics)),
+        *(one for number, key in enumerate(found.topics) for one in counted(key, number)),
         Logged([record]),
         imu_heard(),
         NodeReport(ARM, [speed, frame], ["activate", "cleanup", "shutdown"]),

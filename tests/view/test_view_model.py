@@ -88,7 +88,7 @@ def test_every_page_says_when_nothing_runs(page: int) -> None:
 def test_topics_have_rate_age_and_type() -> None:
     head, first, *_ = shown(view_of(reports()).draw_list(SMALL))
     assert head.split() == ["TOPIC", "RATE", "AGE", "LAST", "8", "S", "TYPE"]
-    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "sensor_msgs/msg/Imu"]
+    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "▇" * 16, "sensor_msgs/msg/Imu"]
 
 
 def test_the_page_that_is_shown_is_marked_without_colour() -> None:
@@ -96,14 +96,18 @@ def test_the_page_that_is_shown_is_marked_without_colour() -> None:
     assert plain(view.draw_heading(100)[0]).startswith(
         " 1 topics  2 nodes  3 parameters [4 log] 5 loop  6 programs "
     )
-    assert plain(view.draw_heading(80)[0]).rstrip().endswith("1 process")
+    assert plain(view.draw_heading(80)[0]).rstrip().endswith("1 program")
 
 
 def test_only_rows_that_have_changed_are_made_anew() -> None:
     view = view_of(reports(50))
     before = view.draw_list(LARGE)
-    view.known.take([Counted(IMU_TOPIC, 20, 0.1)], NOW)
-    after = view.draw_list(LARGE)
+    # The rate and the age stay the same until the bar of the sparkline is complete.
+    later = attrs.evolve(LARGE, now_ns=NOW + 100_000_000)
+    view.known.take([Counted(IMU_TOPIC, 20, 0.1)], later.now_ns)
+    assert all(a is b for a, b in zip(before[1:], view.draw_list(later)[1:], strict=True))
+    view.known.take([Counted(IMU_TOPIC, 80, 0.4)], later.now_ns)
+    after = view.draw_list(later)
     assert [y for y, line in enumerate(after) if y and line is not before[y]] == [1]
 
 
@@ -122,7 +126,7 @@ def test_a_message_is_drawn_once() -> None:
 def test_an_imu_is_drawn_above_its_tree() -> None:
     lines = shown(view_of(reports()).draw_detail(PaneSize(60, 40, NOW), is_beside=True))
     assert lines[0] == "│ /imu/data"
-    assert lines[1] == "│ 1 publishers, 0 subscriptions"
+    assert lines[1] == "│ 1 publisher, 0 subscriptions"
     assert "│ roll    0.0  pitch    0.0  yaw   30.0" in lines
     assert any(line.startswith("│ z     9.807") for line in lines)
     assert any("frame_id imu_link" in line for line in lines)

@@ -52,17 +52,9 @@ def test_a_name_of_two_programs_is_ambiguous() -> None:
     assert caught.value.kind == "ambiguous"
 
 
-def test_children_in_a_circle_are_taken_once() -> None:
-    def having(pid: int, child: int) -> Any:
-        children = [{"name": "x", "pid": child, "running": True}]
-        return made_process(pid, made_program(f"/p{pid}", children=children))
-
-    assert [p["pid"] for p in chosen([having(1, 2), having(2, 1)], "p1")] == [1, 2]
-
-
 def test_only_the_topic_that_is_looked_at_sends_messages() -> None:
     streams = wanted(survey(), Gaze())
-    assert {tag.kind for tag in streams} == {"log", "count"}
+    assert {tag.kind for tag in streams} == {"log", "counts"}
     with_gaze = wanted(survey(), Gaze(topics=frozenset({IMU_TOPIC})))
     new = set(with_gaze) - set(streams)
     assert new == {Tag("echo", IMU_TOPIC, PID)}
@@ -72,28 +64,33 @@ def test_only_the_topic_that_is_looked_at_sends_messages() -> None:
 
 
 @pytest.mark.parametrize(
-    ("topics", "every_s"), [(1, 0.1), (10, 0.1), (11, 0.2), (50, 0.5), (51, 1.0), (900, 1.0)]
+    ("topics", "every_s", "streams"), [(1, 0.1, 1), (50, 0.1, 1), (201, 0.1, 2), (1_001, 0.5, 6)]
 )
-def test_many_topics_report_less_often(topics: int, every_s: float) -> None:
-    intervals = {
-        question.arguments["every_ns"] / 1e9
+def test_few_streams_count_many_topics(topics: int, every_s: float, streams: int) -> None:
+    counts = [
+        question.arguments
         for tag, question in wanted(survey(topics), Gaze()).items()
-        if tag.kind == "count"
-    }
-    assert intervals == {every_s}
+        if tag.kind == "counts"
+    ]
+    assert [one["every_ns"] / 1e9 for one in counts] == [every_s] * streams
+    assert sorted(name for one in counts for name in one["topics"]) == sorted(
+        name for name, _ in survey(topics).topics
+    )
 
 
 def test_a_message_between_two_processes_is_counted_once() -> None:
     processes = parent_and_child()[:2]
     topic = made_topic("/seen", POINT, publishers=[CHILD], subscribers=[PID])
     found = attrs.evolve(survey(), processes=processes, topics={("/seen", PID): topic})
-    counted = [tag for tag in wanted(found, Gaze()) if tag.kind == "count"]
-    assert counted == [Tag("count", ("/seen", PID), CHILD)]
+    counted = [tag for tag in wanted(found, Gaze()) if tag.kind == "counts"]
+    assert counted == [Tag("counts", ("0", PID), CHILD)]
 
 
 def count(inbox: Inbox, topic: TopicKey, pid: int, number: int, seconds: float = 0.1) -> None:
-    window = {"count": number, "seconds": seconds}
-    inbox.put_event(Tag("count", topic, pid), {}, {"n": 0, "window": window}, b"")
+    name, first_pid = topic
+    had = {name: {"count": number, "age_ns": 20_000_000}} if number else {}
+    tag, answer = Tag("counts", ("0", first_pid), pid), {"topics": {name: "x/Y"}}
+    inbox.put_event(tag, answer, {"seconds": seconds, "topics": had}, b"")
 
 
 def test_counts_add_up_while_nobody_takes_them() -> None:
@@ -111,7 +108,16 @@ def test_two_publishers_of_one_topic_are_one_rate() -> None:
     inbox = Inbox()
     count(inbox, IMU_TOPIC, PID, 20)
     count(inbox, IMU_TOPIC, CHILD, 10)
-    assert inbox.take() == [Counted(IMU_TOPIC, 30, 0.1)]
+    assert inbox.take() == [Counted(IMU_TOPIC, 30, 0.1, 0.02)]
+
+
+def test_a_topic_without_messages_is_counted_too() -> None:
+    inbox = Inbox()
+    count(inbox, IMU_TOPIC, PID, 0)
+    assert inbox.take() == [Counted(IMU_TOPIC, 0, 0.1, 0.0)]
+    count(inbox, IMU_TOPIC, PID, 1)
+    count(inbox, IMU_TOPIC, PID, 0)
+    assert inbox.take() == [Counted(IMU_TOPIC, 1, 0.2, pytest.approx(0.12))]
 
 
 def heard(inbox: Inbox, data: bytes) -> None:
@@ -174,4 +180,4 @@ def test_a_survey_comes_before_the_counts_of_its_topics() -> None:
     inbox.put(survey())
     inbox.put(Said("first"))
     inbox.put(Said("second"))
-    assert inbox.take() == [survey(), Counted(IMU_TOPIC, 1, 0.1), Said("second")]
+    assert inbox.take() == [survey(), Counted(IMU_TOPIC, 1, 0.1, 0.02), Said("second")]

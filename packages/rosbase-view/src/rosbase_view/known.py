@@ -57,7 +57,8 @@ class Known:
         for report in reports:
             if isinstance(report, Counted):
                 if (topic := self.topics.get(report.topic)) is not None:
-                    topic.count(report.count, report.seconds, now_ns)
+                    last_ns = now_ns - int(report.age_s * 1e9)
+                    topic.count(report.count, report.seconds, last_ns, now_ns)
             elif isinstance(report, Survey):
                 self._learn(report, now_ns)
             elif isinstance(report, Heard):

@@ -71,12 +71,10 @@ def options_of(arguments: argparse.Namespace, on_mistake: Callable[[str], object
         arguments: As `add_arguments` has them parsed.
         on_mistake: Called with a line if they do not go together; it must raise.
     """
-    for view, given, default in (
-        ("web", arguments.web, WEB_PORT),
-        ("foxglove", arguments.foxglove, FOXGLOVE_PORT),
-    ):
-        if given is not None:
-            break
+    if arguments.web is not None:
+        view, given, default = "web", arguments.web, WEB_PORT
+    elif arguments.foxglove is not None:
+        view, given, default = "foxglove", arguments.foxglove, FOXGLOVE_PORT
     else:
         return Options("terminal", arguments.name, arguments.host, 0, arguments.token)
     name: str | None = arguments.name

@@ -56,6 +56,8 @@ class Counted:
     topic: TopicKey
     count: int
     seconds: float
+    age_s: float = 0.0
+    """Time from the last message to the report."""
 
 
 @frozen

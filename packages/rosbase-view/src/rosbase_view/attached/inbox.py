@@ -47,8 +47,7 @@ class Inbox:
         self._nodes: dict[NodeKey, NodeReport] = {}
         self._said: Said | None = None
         self._messages = _Messages()
-        # Messages and seconds of each topic, in each process that counts it.
-        self._counts: dict[TopicKey, dict[int, tuple[int, float]]] = {}
+        self._counts = _Counts()
         self._records: deque[LogRecord] = deque(maxlen=MOST_RECORDS)
         self._repeats = Repeats([])
 
@@ -68,11 +67,8 @@ class Inbox:
     ) -> None:
         """Take an event of a stream."""
         with self._lock:
-            if tag.kind == "count":
-                window = event["window"]
-                topic = self._counts.setdefault(tag.topic, {})
-                count, seconds = topic.get(tag.pid, (0, 0.0))
-                topic[tag.pid] = count + window["count"], seconds + window["seconds"]
+            if tag.kind == "counts":
+                self._counts.add(tag, answer["topics"], event)
             elif tag.kind == "echo":
                 self._messages.add(_heard(tag, answer, event, data), self.pace)
             else:
@@ -84,17 +80,15 @@ class Inbox:
         """Return all reports since the last call, a survey first."""
         with self._lock:
             survey, nodes, said = self._survey, self._nodes, self._said
-            heard, counts, records = self._messages.take(), self._counts, list(self._records)
+            heard, counts, records = self._messages.take(), self._counts.take(), [*self._records]
             self._survey = self._said = None
-            self._counts, self._nodes = {}, {}
+            self._nodes = {}
             self._records.clear()
         found: list[Report] = []
         if survey is not None:
             self._repeats.add(survey.processes)
             found.append(survey)
-        for topic, parts in counts.items():
-            total = sum(count for count, _ in parts.values())
-            found.append(Counted(topic, total, max(seconds for _, seconds in parts.values())))
+        found += counts
         if new := self._without_repeats(records):
             found.append(Logged(new))
         return [*found, *heard, *nodes.values(), *([] if said is None else [said])]
@@ -103,6 +97,40 @@ class Inbox:
         """Return the records in the order of time, without those that a manager repeats."""
         records.sort(key=lambda record: record["stamp_ns"])
         return [record for record in records if not self._repeats.has(record)]
+
+
+class _Counts:
+    """Messages since they were last taken, of each topic in each process that counts it."""
+
+    def __init__(self) -> None:
+        # By topic and process: messages, seconds, and the age of the last one in seconds.
+        self._counts: dict[TopicKey, dict[int, tuple[int, float, float]]] = {}
+
+    def add(self, tag: Tag, names: Iterable[str], event: Mapping[str, Any]) -> None:
+        had, passed_s = event["topics"], event["seconds"]
+        for name in names:
+            of_topic = self._counts.setdefault((name, tag.topic[1]), {})
+            count, seconds, age_s = of_topic.get(tag.pid, (0, 0.0, 0.0))
+            if (new := had.get(name)) is None:
+                age_s += passed_s
+            else:
+                count, age_s = count + new["count"], new["age_ns"] / 1e9
+            of_topic[tag.pid] = count, seconds + passed_s, age_s
+
+    def take(self) -> list[Counted]:
+        taken, self._counts = self._counts, {}
+        return [_sum(topic, list(parts.values())) for topic, parts in taken.items()]
+
+
+def _sum(topic: TopicKey, parts: list[tuple[int, float, float]]) -> Counted:
+    """Return the messages of all processes that publish a topic."""
+    had = [age_s for count, _, age_s in parts if count]
+    return Counted(
+        topic,
+        sum(count for count, _, _ in parts),
+        max(seconds for _, seconds, _ in parts),
+        min(had, default=0.0),
+    )
 
 
 class _Messages:

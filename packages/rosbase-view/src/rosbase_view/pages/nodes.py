@@ -29,6 +29,7 @@ class NodesPage(BasePage):
 
     title = "nodes"
     hints = (("c a d u s", "lifecycle"), ("enter", "parameters"))
+    detail_rows = 7
     columns = (
         Column("NODE", 24, share=2),
         Column("LIFECYCLE", 14),

@@ -3,7 +3,7 @@
 from collections.abc import Hashable, Sequence
 
 from rosbase import WireError
-from rosbase_view.drawing.figures import age, rate
+from rosbase_view.drawing.figures import age, counted, rate
 from rosbase_view.drawing.glyphs import Glyphs
 from rosbase_view.drawing.lines import Ink, Line, Span, clipped, line
 from rosbase_view.drawing.table import Cell, Column
@@ -33,6 +33,7 @@ class TopicsPage(BasePage):
 
     title = "topics"
     hints = (("enter", "fold"),)
+    detail_rows = 13
     columns = _COLUMNS
 
     def __init__(self, known: Known, glyphs: Glyphs) -> None:
@@ -50,8 +51,7 @@ class TopicsPage(BasePage):
 
     def row(self, key: Hashable, pane: Pane, *, is_chosen: bool) -> Line:
         """Return a row: the same one as before, if nothing that it shows has changed."""
-        topic = self.known.topics[_key(key)]
-        stamp = (topic.revision, age(topic.age_ns(pane.now_ns)), pane.width)
+        stamp = (self.cells(key, pane), pane.width)
         place = (_key(key), is_chosen)
         before = self._rows.get(place)
         if before is not None and before[0] == stamp:
@@ -66,12 +66,13 @@ class TopicsPage(BasePage):
         """Return the cells of a row."""
         topic = self.known.topics[_key(key)]
         age_ns = topic.age_ns(pane.now_ns)
-        ink = Ink.DIM if age_ns is None or age_ns > _STALE_NS else Ink.PLAIN
+        is_stale = age_ns is None or age_ns > _STALE_NS
+        ink, drawn = (Ink.DIM, Ink.DIM) if is_stale else (Ink.PLAIN, Ink.DRAWING)
         return (
             Cell(_key(key)[0]),
-            Cell(rate(topic.rate_hz if topic.total else None), ink),
+            Cell(rate(topic.rate_hz(pane.now_ns)), ink),
             Cell(age(age_ns), ink),
-            Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), ink),
+            Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), drawn),
             Cell(", ".join(topic.topic["types"]), Ink.DIM),
         )
 
@@ -81,12 +82,12 @@ class TopicsPage(BasePage):
             return []
         topic, heard = self.known.topics[_key(key)], self.known.heard.get(_key(key))
         ends = topic.topic
-        lost = f", {topic.dropped} lost by them" if topic.dropped else ""
+        lost = f", which lost {counted(topic.dropped, 'message')}" if topic.dropped else ""
         lines = [
             line(Span(clipped(_key(key)[0], pane.width), Ink.TITLE)),
             line(
-                f"{len(ends['publishers'])} publishers, {len(ends['subscriptions'])}"
-                f" subscriptions{lost}"
+                f"{counted(len(ends['publishers']), 'publisher')},"
+                f" {counted(len(ends['subscriptions']), 'subscription')}{lost}"
             ),
         ]
         if heard is None:

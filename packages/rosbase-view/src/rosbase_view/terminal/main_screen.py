@@ -63,6 +63,7 @@ class MainScreen(Screen[None]):
         self._view = view
         self._now_ns = now_ns
         self._on_change = on_change
+        self._list_height: int | str = "1fr"
 
     def compose(self) -> ComposeResult:
         """Return the panes."""
@@ -74,6 +75,7 @@ class MainScreen(Screen[None]):
 
     def redraw(self) -> None:
         """Show what is known now."""
+        self._share_room()
         for pane in self.query(LinesPane):
             pane.redraw()
 
@@ -124,6 +126,17 @@ class MainScreen(Screen[None]):
         """Show a page."""
         self._view.turn_to(number)
         self.redraw()
+
+    def _share_room(self) -> None:
+        """Give the list the rows that it needs, if the details are below it."""
+        room = self.query_one("#panes").size.height
+        if self.size.width >= _WIDE or room <= 0:
+            height: int | str = "1fr"
+        else:
+            height = self._view.list_rows(room)
+        if height != self._list_height:
+            self._list_height = height
+            self.query_one("#list").styles.height = height
 
     def _edit(self, edit: Edit) -> None:
         def done(text: str | None) -> None:

@@ -24,7 +24,7 @@ def check(_: Options) -> None:
 def run(source: Source, _: Options) -> int:
     """Show the source until the user ends the view; return the exit status."""
     # textual takes a tenth of a second to import, which a wrong name need not wait for.
-    from rosbase_view.terminal.app import ViewApp
+    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415
 
     app = ViewApp(source, SystemClock(), UNICODE if _is_utf8() else ASCII)
     app.run()
