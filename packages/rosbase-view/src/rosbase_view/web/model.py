@@ -140,7 +140,7 @@ class Model:
             node=self._nodes.label,
             rotation=turned,
             is_there=state is not None,
-            rate_hz=None if state is None else state.rate_hz,
+            rate_hz=None if state is None else state.rate_hz(now_ns),
             age_ns=age_ns,
             statuses=self._health.statuses(now_ns),
             lifecycle="" if row is None else row.lifecycle or "",

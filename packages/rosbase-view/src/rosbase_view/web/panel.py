@@ -102,7 +102,10 @@ class _Plot:
             tuple(empty for _ in range(len(lines) + 1)),
             (uplot.Series(label="s"), *lines),
             title=f"{quantity.title}, {quantity.unit}",
-            scales={"x": uplot.Scale(time=False, auto=False, range=(-SPAN_S, 0.0))},
+            scales={
+                "x": uplot.Scale(time=False, auto=False, range=(-SPAN_S, 0.0)),
+                "y": uplot.Scale(range={"min": _end(-quantity.least), "max": _end(quantity.least)}),
+            },
             legend=uplot.Legend(show=True),
             height=_PLOT_HEIGHT,
             visible=False,
@@ -114,6 +117,11 @@ class _Plot:
             return
         self._shown = (trace, trace.revision)
         self._handle.data = tuple(np.array(column) for column in trace.columns())
+
+
+def _end(least: float) -> dict[str, float]:
+    """Return the end of a scale that is there at least; data beyond it move it."""
+    return {"soft": least, "mode": 1, "pad": 0.1}
 
 
 def _button(gui: viser.GuiApi, press: RunTransition, on_press: OnPress) -> viser.GuiButtonHandle:

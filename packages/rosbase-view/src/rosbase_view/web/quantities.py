@@ -36,13 +36,15 @@ class Quantity:
 
     title: str
     unit: str
+    least: float
+    """The plot reaches from minus this to this at least, so that noise does not fill it."""
     names: tuple[str, ...] = ("x", "y", "z")
 
 
-ORIENTATION = Quantity("orientation", "°", ("roll", "pitch", "yaw"))
-ANGULAR_VELOCITY = Quantity("angular velocity", "rad/s")
-ACCELERATION = Quantity("acceleration", "m/s²")
-FIELD = Quantity("magnetic field", "µT")
+ORIENTATION = Quantity("orientation", "°", 10.0, ("roll", "pitch", "yaw"))
+ANGULAR_VELOCITY = Quantity("angular velocity", "rad/s", 0.5)
+ACCELERATION = Quantity("acceleration", "m/s²", 2.0)
+FIELD = Quantity("magnetic field", "µT", 10.0)
 QUANTITIES = (ORIENTATION, ANGULAR_VELOCITY, ACCELERATION, FIELD)
 """All of them, in the order of their plots."""
 
