@@ -7,14 +7,17 @@ import signal
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import pytest
+from attrs import evolve
 from PIL import Image
 
 from rosbase import SystemClock
 from rosbase.control import connect
-from rosbase_view.reports import Survey
+from rosbase_view.reports import Position, Survey
 from rosbase_view.source import Gaze
 from rosbase_view.web.address import page_url
 from rosbase_view.web.page import Page
@@ -23,7 +26,17 @@ from support.browser import Browser, browser, chromium
 from support.command import RunningRosbase
 from support.operated import Robots, robots_in
 from support.program import Program
-from support.viewing import IMU_TOPIC, PID, MadeSource, made_process, made_topic
+from support.viewing import (
+    IMU_TOPIC,
+    PID,
+    SECOND,
+    MadePlayback,
+    MadeSource,
+    imu_heard,
+    made_process,
+    made_topic,
+    reports,
+)
 from support.waiting import wait_until
 
 # The machine that tests for all must not leave them out.
@@ -33,6 +46,8 @@ pytestmark = [
     pytest.mark.timeout(180),
     pytest.mark.skipif(not (chromium() or IS_REQUIRED), reason="Chromium is not installed"),
 ]
+
+Pixels: TypeAlias = npt.NDArray[np.int16]
 
 TOKEN = "secret-secret-16"
 BOARD = """
@@ -102,10 +117,10 @@ def turn(roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> None:
     connect("desk").set_parameters("board", {"roll": roll, "pitch": pitch, "yaw": yaw})
 
 
-def picture(page: Browser) -> "np.ndarray[tuple[int, ...], np.dtype[np.int16]]":
+def picture(page: Browser) -> Pixels:
     """What is left of the panel and below the notice on WebGL, once it stands still."""
 
-    def taken() -> "np.ndarray[tuple[int, ...], np.dtype[np.int16]]":
+    def taken() -> Pixels:
         image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
         return np.asarray(image, dtype=np.int16)[200:, :690]
 
@@ -119,12 +134,12 @@ def picture(page: Browser) -> "np.ndarray[tuple[int, ...], np.dtype[np.int16]]":
     return pictures[-1]
 
 
-def changed(one: "np.ndarray", other: "np.ndarray") -> float:  # type: ignore[type-arg]  # of a picture
+def changed(one: Pixels, other: Pixels) -> float:
     """The share of pixels that differ visibly."""
     return float((np.abs(one - other).max(axis=2) > 30).mean())
 
 
-def rows_of(seen: "np.ndarray", colour: int) -> "np.ndarray":  # type: ignore[type-arg]  # of a picture
+def rows_of(seen: Pixels, colour: int) -> Any:
     """The rows of the pixels that have mostly one colour: 0 is red, 1 green."""
     others = np.delete(seen, colour, axis=2).max(axis=2)
     return np.nonzero(seen[:, :, colour] - others > 40)[0]
@@ -196,12 +211,7 @@ def test_two_browsers_show_the_same_and_without_any_the_view_asks_for_nothing(
     topics = {key: made_topic(key[0]) for key in (IMU_TOPIC, arm)}
     source = MadeSource()
     source.waiting = [Survey([made_process()], topics, [], [])]
-    listening = bind("127.0.0.1", 0)
-    url = page_url("127.0.0.1", listening.getsockname()[1], TOKEN)
-    page = Page(source, listening, TOKEN, SystemClock())
-    thread = threading.Thread(target=page.run)
-    thread.start()
-    try:
+    with served(source) as url:
         with browser(tmp_path / "one") as one, browser(tmp_path / "other") as other:
             assert source.gazes == []
             one.open(url)
@@ -216,7 +226,35 @@ def test_two_browsers_show_the_same_and_without_any_the_view_asks_for_nothing(
             )
             wait_until(lambda: source.gazes[-1].topics == {IMU_TOPIC}, "a look at the other")
         wait_until(lambda: source.gazes[-1] == Gaze(), "an end of looking")
+    assert source.calls == ["start", "close"]
+
+
+def test_a_recording_is_played_and_its_nodes_are_not_changed(tmp_path: Path) -> None:
+    source, playback = MadeSource(can_change=False), MadePlayback()
+    source.playback = playback
+    source.waiting = [
+        *reports(),
+        evolve(imu_heard(90.0), stamp_ns=SECOND),
+        Position(SECOND, 0, 10 * SECOND, is_playing=False),
+    ]
+    with served(source) as url, browser(tmp_path) as page:
+        page.open(url)
+        page.until("yaw 90.0°", "seconds", "inactive")
+        page.until_buttons("play")
+        page.press("play")
+        wait_until(lambda: playback.calls == [("play",)], "the press")
+
+
+@contextlib.contextmanager
+def served(source: MadeSource) -> Iterator[str]:
+    """Runs the page of a source on a thread; gives its address."""
+    listening = bind("127.0.0.1", 0)
+    url = page_url("127.0.0.1", listening.getsockname()[1], TOKEN)
+    page = Page(source, listening, TOKEN, SystemClock())
+    thread = threading.Thread(target=page.run)
+    thread.start()
+    try:
+        yield url
     finally:
         page.end()
         thread.join()
-    assert source.calls == ["start", "close"]

@@ -7,7 +7,7 @@ from attrs import field, frozen
 
 from rosbase import WireError
 from rosbase_view.known import Known
-from rosbase_view.reports import Heard, NodeKey, Report, Said, Survey, TopicKey
+from rosbase_view.reports import Heard, NodeKey, Position, Report, Said, Survey, TopicKey
 from rosbase_view.source import Change, ChangeState, Gaze
 from rosbase_view.web import health
 from rosbase_view.web.choice import Choice
@@ -77,6 +77,8 @@ class Picture:
     traces: Mapping[Quantity, Trace] = field(factory=dict)
     said: Said | None = None
     has_programs: bool = False
+    position: Position | None = None
+    """Where a recording is; None for what runs."""
 
 
 class Model:
@@ -131,7 +133,9 @@ class Model:
         key, node = self._topics.key, self._nodes.key
         state = self.known.topics.get(key) if key is not None else None
         age_ns = None if state is None else state.age_ns(now_ns)
-        turned = self._rotation(key) if age_ns is not None and age_ns <= _FRESH_NS else None
+        is_fresh = age_ns is not None and age_ns <= _FRESH_NS
+        # A recording that stands still shows its last message for as long as it does.
+        turned = self._rotation(key) if is_fresh or self.known.position is not None else None
         row = None if node is None else self.known.nodes.get(node)
         return Picture(
             topics=self._topics.labels,
@@ -148,6 +152,7 @@ class Model:
             traces=self._traces,
             said=self.known.said(now_ns),
             has_programs=bool(self.known.processes),
+            position=self.known.position,
         )
 
     def _learn(self) -> None:

@@ -8,6 +8,7 @@ from rosbase import Clock
 from rosbase_view.source import Gaze, Source
 from rosbase_view.web.model import Model, Press
 from rosbase_view.web.panel import Panel
+from rosbase_view.web.player import Played, PlayOrPause, Seek, play
 from rosbase_view.web.scene import Scene
 from rosbase_view.web.server import GuardedServer
 
@@ -32,7 +33,7 @@ class Page:
         """
         self._source, self._clock = source, clock
         self._model = Model()
-        self._presses: SimpleQueue[Press] = SimpleQueue()
+        self._presses: SimpleQueue[Press | Played] = SimpleQueue()
         self._ended = threading.Event()
         self._server = GuardedServer(listening, token, "rosbase view")
         self._scene = Scene(self._server)
@@ -81,9 +82,15 @@ class Page:
                 press = self._presses.get_nowait()
             except Empty:
                 return
-            change = self._model.press(press, now_ns)
-            if change is not None:
+            if isinstance(press, PlayOrPause | Seek):
+                self._play(press)
+            elif (change := self._model.press(press, now_ns)) is not None:
                 self._source.change(change)
+
+    def _play(self, played: Played) -> None:
+        playback, position = self._source.playback, self._model.known.position
+        if playback is not None and position is not None:
+            play(played, playback, position)
 
     def _look(self, gaze: Gaze) -> None:
         if gaze != self._gaze:

@@ -7,6 +7,7 @@ import numpy as np
 import viser
 from viser import uplot
 
+from rosbase_view.web.elements import update
 from rosbase_view.web.model import (
     TRANSITIONS,
     ChooseNode,
@@ -15,13 +16,14 @@ from rosbase_view.web.model import (
     Press,
     RunTransition,
 )
+from rosbase_view.web.player import Played, Player
 from rosbase_view.web.quantities import QUANTITIES, Quantity
 from rosbase_view.web.status_html import status_html
 from rosbase_view.web.trace import SPAN_S, Trace
 
 __all__ = ["Panel"]
 
-OnPress = Callable[[Press], object]
+OnPress = Callable[[Press | Played], object]
 
 _NONE = "none"
 # Red, green and blue for x, y and z, as in all tools of ROS.
@@ -45,6 +47,7 @@ class Panel:
         """
         gui = server.gui
         self._topic = _Dropdown(gui, "IMU", lambda label: on_press(ChooseTopic(label)))
+        self._player = Player(gui, on_press)
         self._status = gui.add_html("")
         self._node = _Dropdown(gui, "node", lambda label: on_press(ChooseNode(label)))
         self._lifecycle = gui.add_text("lifecycle", "", disabled=True)
@@ -60,11 +63,12 @@ class Panel:
             with_plots: Whether to draw the plots too, which are the most to send.
         """
         self._topic.show(picture.topics, picture.topic)
+        self._player.show(picture.position)
         self._node.show(picture.nodes, picture.node)
-        _set(self._status, content=status_html(picture))
-        _set(self._lifecycle, value=picture.lifecycle, visible=bool(picture.lifecycle))
+        update(self._status, content=status_html(picture))
+        update(self._lifecycle, value=picture.lifecycle, visible=bool(picture.lifecycle))
         for name, button in self._buttons.items():
-            _set(button, visible=self._can_change and name in picture.offered)
+            update(button, visible=self._can_change and name in picture.offered)
         if with_plots:
             for plot in self._plots:
                 plot.show(picture.traces.get(plot.quantity))
@@ -84,7 +88,7 @@ class _Dropdown:
 
     def show(self, options: Sequence[str], chosen: str) -> None:
         shown = tuple(options) or (_NONE,)
-        _set(self._handle, options=shown, value=chosen or _NONE, visible=bool(options))
+        update(self._handle, options=shown, value=chosen or _NONE, visible=bool(options))
 
 
 class _Plot:
@@ -112,7 +116,7 @@ class _Plot:
         )
 
     def show(self, trace: Trace | None) -> None:
-        _set(self._handle, visible=trace is not None)
+        update(self._handle, visible=trace is not None)
         if trace is None or self._shown == (trace, trace.revision):
             return
         self._shown = (trace, trace.revision)
@@ -134,10 +138,3 @@ def _button(gui: viser.GuiApi, press: RunTransition, on_press: OnPress) -> viser
         on_press(press)
 
     return handle
-
-
-def _set(handle: Any, **values: Any) -> None:
-    """Set properties that have changed: each that is set is sent to all browsers."""
-    for name, value in values.items():
-        if getattr(handle, name) != value:
-            setattr(handle, name, value)
