@@ -128,7 +128,7 @@ def test_an_imu_is_drawn_above_its_tree() -> None:
     assert lines[0] == "│ /imu/data"
     assert lines[1] == "│ 1 publisher, 0 subscriptions"
     assert "│ roll    0.0  pitch    0.0  yaw   30.0" in lines
-    assert any(line.startswith("│ z     9.807") for line in lines)
+    assert any(line.startswith("│ z    9.807") for line in lines)
     assert any("frame_id imu_link" in line for line in lines)
 
 
@@ -159,6 +159,20 @@ def test_details_scroll_and_fold() -> None:
     folded = shown(view.draw_detail(size, is_beside=False))
     assert "▸ header" in folded
     assert not any("frame_id" in line for line in folded)
+
+
+def test_the_view_begins_with_an_imu() -> None:
+    found = survey()
+    others = {
+        ("/a/transition_event", PID): made_topic("/a", "lifecycle_msgs/msg/TransitionEvent"),
+        ("/b", PID): made_topic("/b", "std_msgs/msg/Float64"),
+    }
+    view = view_of([attrs.evolve(found, topics=others)])
+    assert view.chosen == ("/b", PID)
+    # One that comes later does not take the eyes away.
+    view.known.take([attrs.evolve(found, topics={**others, **found.topics})], NOW)
+    assert view.chosen == ("/b", PID)
+    assert view_of([attrs.evolve(found, topics={**others, **found.topics})]).chosen == IMU_TOPIC
 
 
 def test_the_cursor_stays_with_its_topic_when_others_come() -> None:

@@ -146,7 +146,7 @@ def start_view(tmux: OwnTmux, columns: int, rows: int, **environment: str) -> No
     given = {"XDG_RUNTIME_DIR": os.environ["XDG_RUNTIME_DIR"], "PYTHONUTF8": "1", **environment}
     options = [word for name, value in given.items() for word in ("-e", f"{name}={value}")]
     size = ["-x", str(columns), "-y", str(rows)]
-    tmux("new-session", "-d", "-s", SESSION, *size, *options, shlex.join([ROSBASE, "view", "app"]))
+    tmux("new-session", "-d", "-s", SESSION, *size, *options, f"{shlex.join([ROSBASE, 'view', 'app'])} 2>errors.txt")
 
 
 def choose(tmux: OwnTmux, row: str) -> None:

@@ -208,6 +208,8 @@ class _Cursor:
         """Find the chosen row again; the one in its place if it is gone."""
         if self._is_at_end:
             self._choose(keys, len(keys) - 1)
+        elif self._key is None and (first := self._page.first_choice()) is not None:
+            self._choose(keys, keys.index(first))
         elif not (self._index < len(keys) and keys[self._index] == self._key):
             known = self._key is not None and self._key in keys
             self._choose(keys, keys.index(self._key) if known else self._index)

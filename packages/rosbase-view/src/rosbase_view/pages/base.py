@@ -32,6 +32,10 @@ class BasePage:
         """Return the rows."""
         raise NotImplementedError
 
+    def first_choice(self) -> Hashable | None:
+        """Return the first row."""
+        return next(iter(self.keys()), None)
+
     def cells(self, key: Hashable, pane: Pane) -> Sequence[Cell]:
         """Return the cells of a row."""
         raise NotImplementedError
