@@ -88,7 +88,15 @@ def test_every_page_says_when_nothing_runs(page: int) -> None:
 def test_topics_have_rate_age_and_type() -> None:
     head, first, *_ = shown(view_of(reports()).draw_list(SMALL))
     assert head.split() == ["TOPIC", "RATE", "AGE", "LAST", "8", "S", "TYPE"]
-    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "▇" * 16, "sensor_msgs/msg/Imu"]
+    assert first.split() == [
+        "▶",
+        "/imu/data",
+        "200.0",
+        "Hz",
+        "now",
+        "▇" * 16,
+        "sensor_msgs/msg/Imu",
+    ]
 
 
 def test_the_page_that_is_shown_is_marked_without_colour() -> None:
@@ -133,7 +141,7 @@ def test_an_imu_is_drawn_above_its_tree() -> None:
 
 
 def test_an_imu_without_an_orientation_is_not_drawn_as_level() -> None:
-    found = [survey(), imu_heard(orientation_covariance=(-1.0, *[0.0] * 8))]
+    found: list[Report] = [survey(), imu_heard(orientation_covariance=(-1.0, *[0.0] * 8))]
     lines = shown(view_of(found).draw_detail(PaneSize(60, 40, NOW), is_beside=False))
     assert "no orientation" in lines
     assert not any("roll" in line for line in lines)

@@ -110,7 +110,7 @@ def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -
     found = Looking(source)
     found.until(lambda: found.known.topics, "the topics")
     source.close()
-    wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")  # type: ignore[typeddict-item]  # told beside what is typed
+    wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")
 
 
 def test_a_thread_that_fails_ends_the_view_and_is_not_silent(
@@ -146,7 +146,15 @@ def start_view(tmux: OwnTmux, columns: int, rows: int, **environment: str) -> No
     given = {"XDG_RUNTIME_DIR": os.environ["XDG_RUNTIME_DIR"], "PYTHONUTF8": "1", **environment}
     options = [word for name, value in given.items() for word in ("-e", f"{name}={value}")]
     size = ["-x", str(columns), "-y", str(rows)]
-    tmux("new-session", "-d", "-s", SESSION, *size, *options, f"{shlex.join([ROSBASE, 'view', 'app'])} 2>errors.txt")
+    tmux(
+        "new-session",
+        "-d",
+        "-s",
+        SESSION,
+        *size,
+        *options,
+        f"{shlex.join([ROSBASE, 'view', 'app'])} 2>errors.txt",
+    )
 
 
 def choose(tmux: OwnTmux, row: str) -> None:

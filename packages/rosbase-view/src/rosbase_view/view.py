@@ -1,4 +1,4 @@
-"""What the user sees and does: the page, the chosen row, and the lines of each pane. Pure."""
+"""The page, the chosen row, the lines of each pane, and the keys. Pure."""
 
 from collections.abc import Hashable, Sequence
 
@@ -65,7 +65,7 @@ class View:
 
     @property
     def gaze(self) -> Gaze:
-        """What the user looks at."""
+        """Topics and nodes that the user looks at."""
         return self.page.gaze(self.chosen)
 
     def chosen_node(self) -> NodeKey | None:

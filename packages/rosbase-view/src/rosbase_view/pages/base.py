@@ -1,4 +1,4 @@
-"""What pages have in common."""
+"""The common part of all pages."""
 
 from collections.abc import Hashable, Sequence
 from typing import ClassVar

@@ -35,7 +35,7 @@ class TopicsPage(BasePage):
     """The topics of all programs."""
 
     title = "topics"
-    hints = (("enter", "fold"),)
+    hints: Sequence[tuple[str, str]] = (("enter", "fold"),)
     detail_rows = 13
     columns = _COLUMNS
 
@@ -53,7 +53,7 @@ class TopicsPage(BasePage):
         return list(self.known.topics)
 
     def first_choice(self) -> Hashable | None:
-        """Return the first Imu, which has a picture; else the first topic that is not about rosbase."""
+        """Return the first Imu, which has a picture; else one that is not about the program."""
         return min(self.keys(), key=lambda key: _dullness(self.known.topics[key]), default=None)
 
     def row(self, key: Hashable, pane: Pane, *, is_chosen: bool) -> Line:

@@ -24,8 +24,8 @@ def check(_: Options) -> None:
 def run(source: Source, _: Options) -> int:
     """Show the source until the user ends the view; return the exit status."""
     # textual takes a tenth of a second to import, which a wrong name need not wait for.
-    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415
-    from rosbase_view.terminal.on_stdout import StdoutDriver  # noqa: PLC0415
+    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415 - as said
+    from rosbase_view.terminal.on_stdout import StdoutDriver  # noqa: PLC0415 - as said
 
     glyphs = UNICODE if _is_utf8() else ASCII
     app = ViewApp(source, SystemClock(), glyphs, driver_class=StdoutDriver)
