@@ -63,7 +63,9 @@ def test_a_token_that_could_be_guessed_or_breaks_the_address_is_refused(token: s
         ("127.0.0.1", f"http://127.0.0.1:8080/{TOKEN}/"),
         ("::1", f"http://[::1]:8080/{TOKEN}/"),
         ("robot.local", f"http://robot.local:8080/{TOKEN}/"),
+        ("0.0.0.0", f"http://quadruped:8080/{TOKEN}/"),
+        ("::", f"http://quadruped:8080/{TOKEN}/"),
     ],
 )
 def test_the_address_can_be_opened(host: str, url: str) -> None:
-    assert page_url(host, 8080, TOKEN) == url
+    assert page_url(host, 8080, TOKEN, "quadruped") == url

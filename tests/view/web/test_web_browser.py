@@ -249,7 +249,7 @@ def test_a_recording_is_played_and_its_nodes_are_not_changed(tmp_path: Path) -> 
 def served(source: MadeSource) -> Iterator[str]:
     """Runs the page of a source on a thread; gives its address."""
     listening = bind("127.0.0.1", 0)
-    url = page_url("127.0.0.1", listening.getsockname()[1], TOKEN)
+    url = page_url("127.0.0.1", listening.getsockname()[1], TOKEN, "")
     page = Page(source, listening, TOKEN, SystemClock())
     thread = threading.Thread(target=page.run)
     thread.start()

@@ -112,6 +112,7 @@ def test_only_transitions_that_the_node_offers_are_shown_and_run() -> None:
     model = model_of(*offering("activate", "cleanup", "shutdown"))
     assert model.picture(0).offered == {"activate", "cleanup", "shutdown"}
     assert model.press(RunTransition("activate"), 0) == ChangeState(BOARD, "activate")
+    assert "activate of /quadruped ..." in status_html(model.picture(0))
     assert model.press(RunTransition("configure"), 0) is None
     assert "does not offer configure now" in status_html(model.picture(0))
 

@@ -58,13 +58,14 @@ def inner_path(path: str, token: str) -> str | None:
     return f"{slash or '/'}{rest}"
 
 
-def page_url(host: str, port: int, token: str) -> str:
+def page_url(host: str, port: int, token: str, name: str) -> str:
     """Return the address of the page for a user.
 
     Args:
         host: The address that the view listens on.
         port: Its port.
         token: The token.
+        name: Name of this machine, for a view that listens on all its addresses.
     """
     try:
         address = ip_address(host)
@@ -72,4 +73,5 @@ def page_url(host: str, port: int, token: str) -> str:
         shown = host
     else:
         shown = f"[{host}]" if address.version == 6 else host
+        shown = name if address.is_unspecified else shown
     return f"http://{shown}:{port}/{token}/"

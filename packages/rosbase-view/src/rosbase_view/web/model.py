@@ -113,11 +113,7 @@ class Model:
         elif isinstance(press, ChooseNode):
             self._nodes.choose(press.label)
         elif (node := self._nodes.key) is not None:
-            # The page shows only what is offered, but perhaps not any more.
-            if press.transition in self._offered(node):
-                return ChangeState(node, press.transition)
-            text = f"{node[0]} does not offer {press.transition} now"
-            self.known.take((Said(text, is_error=True),), now_ns)
+            return self._run(node, press.transition, now_ns)
         return None
 
     @property
@@ -161,6 +157,16 @@ class Model:
         self._topics.offer(key for key, one in topics if IMU in one.topic["types"])
         self._nodes.offer(key for key, one in self.known.nodes.items() if one.lifecycle is not None)
         self._follow()
+
+    def _run(self, node: NodeKey, transition: str, now_ns: int) -> Change | None:
+        # The page shows only what is offered, but perhaps not any more.
+        is_offered = transition in self._offered(node)
+        text = f"{transition} of {node[0]} ..."
+        if not is_offered:
+            text = f"{node[0]} does not offer {transition} now"
+        # Until the result comes, which may take long.
+        self.known.take((Said(text, is_error=not is_offered),), now_ns)
+        return ChangeState(node, transition) if is_offered else None
 
     def _follow(self) -> None:
         """Begin anew if another Imu is chosen: with its own curves, and with its own node."""

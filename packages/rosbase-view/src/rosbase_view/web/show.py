@@ -2,6 +2,7 @@
 
 import contextlib
 import signal
+import socket
 from collections.abc import Iterator
 
 from rosbase import SystemClock
@@ -39,10 +40,8 @@ def run(source: Source, options: Options) -> int:
     page = Page(source, listening, token, SystemClock())
     try:
         with _interruptible():
-            print(
-                f"rosbase view: open {page_url(options.host, port, token)} (Ctrl-C to end)",
-                flush=True,
-            )
+            url = page_url(options.host, port, token, socket.gethostname())
+            print(f"rosbase view: open {url} (Ctrl-C to end)", flush=True)
             page.run()
     except KeyboardInterrupt:
         # The way to end it.
