@@ -1,24 +1,11 @@
 """`rosbase view --web`: what it says when it cannot show anything."""
 
-import argparse
 from pathlib import Path
 
 import pytest
 
-from rosbase import ConfigurationError
-from rosbase_view.command import configure, run
 from rosbase_view.web.server import bind
 from support.operated import robots_in, run_both
-
-
-def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rosbase_view.command.find_spec", lambda _: None)
-    parser = argparse.ArgumentParser()
-    configure(parser)
-    with pytest.raises(
-        ConfigurationError, match=r"^[^\n]*--web needs viser: pip install [^\n]*\[web\]'$"
-    ):
-        run(parser.parse_args(["--web"]))
 
 
 def test_a_port_in_use_is_one_line() -> None:

@@ -16,8 +16,11 @@ class ValueEditor(ModalScreen[str | None]):
 
     DEFAULT_CSS = """
     ValueEditor { align: center middle; }
-    ValueEditor > Vertical { width: 60; max-width: 100%; height: auto; padding: 1 2;
-                             background: $surface; }
+    ValueEditor > Vertical { width: 60; max-width: 100%; height: auto; padding: 0 1;
+                             border: ascii $foreground; background: $surface; }
+    /* The borders of textual have characters that not all terminals can show. */
+    ValueEditor Input, ValueEditor Input:focus { border: none; height: 1; padding: 0;
+                                                 margin: 1 0; background: $panel; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "give_up", "Give up")]
 
