@@ -38,7 +38,7 @@ def test_a_word_behind_an_option_is_a_port_or_a_name(
 ) -> None:
     options = parsed(*words.split())
     assert (options.view, options.name, options.port) == expected
-    assert (options.host, options.token) == ("127.0.0.1", None)
+    assert options.host == "127.0.0.1"
 
 
 @pytest.mark.parametrize(

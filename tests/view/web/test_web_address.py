@@ -46,15 +46,15 @@ def test_a_path_without_the_token_is_refused(path: str) -> None:
 def test_each_view_has_a_token_of_its_own_that_can_stand_in_an_address() -> None:
     tokens = {new_token() for _ in range(100)}
     assert len(tokens) == 100
-    assert all(checked_token(token, "--token") == token for token in tokens)
+    assert all(checked_token(token, "TOKEN") == token for token in tokens)
 
 
 @pytest.mark.parametrize(
     "token", ["", "short", "a" * 129, "with a blank in it", "a/b/c/d/e/f/g/h/i"]
 )
 def test_a_token_that_could_be_guessed_or_breaks_the_address_is_refused(token: str) -> None:
-    with pytest.raises(ConfigurationError, match="--token needs 16 to 128 characters"):
-        checked_token(token, "--token")
+    with pytest.raises(ConfigurationError, match="TOKEN needs 16 to 128 characters"):
+        checked_token(token, "TOKEN")
 
 
 @pytest.mark.parametrize(

@@ -190,9 +190,13 @@ def test_the_page_shows_health_curves_and_the_buttons_of_legal_transitions(
     assert program.process.poll() is None
 
 
-def test_a_program_that_goes_and_comes_back_is_shown_again(robots: Robots, tmp_path: Path) -> None:
+def test_a_program_that_goes_and_comes_back_is_shown_again(
+    robots: Robots, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROSBASE_VIEW_TOKEN", TOKEN)
     first = start(robots)
     with viewed() as (view, url), browser(tmp_path) as page:
+        assert url.endswith(f"/{TOKEN}/")
         page.open(url)
         page.until("roll 0.0°")
         first.process.send_signal(signal.SIGINT)

@@ -18,10 +18,11 @@ def test_a_port_in_use_is_one_line() -> None:
     ]
 
 
-def test_a_token_that_can_be_guessed_is_refused() -> None:
-    err = run_both("view", "--web", "--token", "1234", status=2)[1]
+def test_a_token_that_can_be_guessed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROSBASE_VIEW_TOKEN", "1234")
+    err = run_both("view", "--web", status=2)[1]
     assert err.count("\n") == 1
-    assert "--token needs 16 to 128 characters" in err
+    assert "ROSBASE_VIEW_TOKEN needs 16 to 128 characters" in err
 
 
 def test_a_program_that_does_not_run_is_one_line(

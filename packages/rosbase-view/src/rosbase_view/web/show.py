@@ -1,6 +1,7 @@
 """Show a source in browsers."""
 
 import contextlib
+import os
 import signal
 import socket
 from collections.abc import Iterator
@@ -14,17 +15,17 @@ from rosbase_view.web.server import bind
 
 __all__ = ["check", "run"]
 
+_VARIABLE = "ROSBASE_VIEW_TOKEN"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
-def check(options: Options) -> None:
-    """Check the token.
+def check(_: Options) -> None:
+    """Check the token of the user, if there is one.
 
     Raises:
         ConfigurationError: It is too short, or has other characters than an address takes.
     """
-    if options.token is not None:
-        checked_token(options.token, "--token")
+    _token()
 
 
 def run(source: Source, options: Options) -> int:
@@ -33,7 +34,7 @@ def run(source: Source, options: Options) -> int:
     Raises:
         ConfigurationError: The port is in use, or this machine does not have the address.
     """
-    token = options.token or new_token()
+    token = _token() or new_token()
     listening = bind(options.host, options.port)
     # A port of 0 is one that is free.
     port = listening.getsockname()[1]
@@ -47,6 +48,15 @@ def run(source: Source, options: Options) -> int:
         # The way to end it.
         pass
     return 0
+
+
+def _token() -> str:
+    """Return the token of the user, who wants the same address each time; empty if there is none.
+
+    It is no argument: other users see those in the list of processes.
+    """
+    token = os.environ.get(_VARIABLE, "")
+    return checked_token(token, _VARIABLE) if token else ""
 
 
 @contextlib.contextmanager
