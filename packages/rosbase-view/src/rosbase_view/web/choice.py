@@ -10,19 +10,19 @@ Key: TypeAlias = tuple[str, int]
 
 
 class Choice:
-    """What can be chosen, and what is.
+    """Options, and the chosen one.
 
-    What is chosen stays so while it is away, and again when it comes back from a program that was
-    started anew, with another pid.
+    The choice stays while its topic or node is away. If the name comes back with another pid, from
+    a program that was started again, it is chosen.
     """
 
     def __init__(self) -> None:
-        """Begin with nothing to choose from."""
+        """Begin without options."""
         self._keys: list[Key] = []
         self._chosen: Key | None = None
 
     def offer(self, keys: Iterable[Key]) -> None:
-        """Take what there is now. The first is chosen if nothing was chosen before."""
+        """Take the options that there are now. Choose the first if none was chosen before."""
         self._keys = sorted(keys)
         if self._chosen in self._keys:
             return
@@ -44,18 +44,18 @@ class Choice:
 
     @property
     def key(self) -> Key | None:
-        """What is chosen; None if it is away, or if there was never anything."""
+        """Chosen option; None if it is away, or if there was never any."""
         return self._chosen if self._chosen in self._keys else None
 
     @property
     def labels(self) -> Sequence[str]:
-        """What the user can choose from; what is chosen is always among it."""
+        """Labels of all options, with that of the chosen one in any case."""
         labels = [self._label(key) for key in self._keys]
         return labels if self._chosen is None or self.key else [self.label, *labels]
 
     @property
     def label(self) -> str:
-        """Label of what is chosen; empty if there was never anything."""
+        """Label of the chosen option; empty if there was never any."""
         if self._chosen is None:
             return ""
         return self._label(self._chosen) if self.key else f"{self._chosen[0]} (gone)"

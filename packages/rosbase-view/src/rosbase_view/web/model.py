@@ -1,4 +1,4 @@
-"""What the page shows, and what becomes of a press of a button. Pure."""
+"""State of the page, and presses of its buttons. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
@@ -64,7 +64,7 @@ class Picture:
     nodes: Sequence[str] = ()
     node: str = ""
     rotation: Rotation | None = None
-    """How the board is turned; None if that is unknown, or not known any more."""
+    """Orientation of the board; None if it is unknown, or not known any more."""
     is_there: bool = False
     """Whether the topic exists."""
     rate_hz: float | None = None
@@ -118,7 +118,7 @@ class Model:
 
     @property
     def gaze(self) -> Gaze:
-        """What the page needs."""
+        """Topics and nodes that the page needs."""
         node = self._nodes.key
         return Gaze(
             topics=frozenset(self._needed()), nodes=frozenset(() if node is None else (node,))
