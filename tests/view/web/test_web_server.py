@@ -1,18 +1,21 @@
 """viser's server behind a token, with real clients of HTTP and WebSocket."""
 
 import http.client
+import secrets
 import socket
 from collections.abc import Iterator
 
 import pytest
 import viser
+import zstandard
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
 from rosbase import ConfigurationError
-from rosbase_view.web import server as server_module
+from rosbase_view.web import guard
 from rosbase_view.web.server import GuardedServer, bind
+from support.stopwatch import Stopwatch
 
 TOKEN = "secret-secret-16"
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -76,6 +79,34 @@ def test_a_connection_without_the_token_is_refused(
     assert refused.value.response.status_code == 403
 
 
+def test_a_client_that_never_reads_delays_neither_others_nor_the_end() -> None:
+    listening = bind("127.0.0.1", 0)
+    url = f"ws://127.0.0.1:{listening.getsockname()[1]}/{TOKEN}"
+    server = GuardedServer(listening, TOKEN, "robot")
+    filling, mark = server.gui.add_html(""), server.gui.add_html("")
+    # It reads ahead by one message.
+    idle = connect(url, subprotocols=[PROTOCOL], proxy=None, max_queue=1, max_size=None)
+    with connect(url, subprotocols=[PROTOCOL], proxy=None, max_size=None) as reader:
+        for number in range(10):
+            # Together more than the kernel keeps for the other one.
+            filling.content = secrets.token_hex(1_000_000)
+            mark.content = f"update {number}."
+            while mark.content.encode() not in opened(reader.recv(timeout=10)):
+                pass
+    with Stopwatch() as stopwatch:
+        server.stop()
+        assert stopwatch.took_s < 4.0
+    idle.socket.close()
+    idle.close()
+
+
+def opened(frame: bytes | str) -> bytes:
+    """The messages of a frame of viser's: two sizes, and the rest compressed."""
+    assert isinstance(frame, bytes)
+    size = int.from_bytes(frame[8:16], "little")
+    return zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size])
+
+
 def test_a_request_that_is_none_does_not_reach_the_terminal(
     port: int, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -126,7 +157,7 @@ def test_a_viser_that_makes_its_listener_in_another_way_is_refused(
 
         serve = staticmethod(print)
 
-    monkeypatch.setattr(server_module, "listener", Other)
+    monkeypatch.setattr(guard, "listener", Other)
     with (
         bind("127.0.0.1", 0) as listening,
         pytest.raises(ConfigurationError, match="is not supported"),
