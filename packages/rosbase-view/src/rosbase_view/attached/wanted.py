@@ -22,7 +22,7 @@ _LAST_RECORDS = 1_000
 class Tag(NamedTuple):
     """Which stream an event belongs to."""
 
-    kind: Literal["count", "echo", "log"]
+    kind: Literal["count", "echo", "log", "transform"]
     topic: TopicKey
     pid: int
 
