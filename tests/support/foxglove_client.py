@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from websockets.exceptions import ConnectionClosedError
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
@@ -166,11 +167,15 @@ class FoxgloveClient:
     # On the thread that reads.
 
     def _read(self) -> None:
-        for frame in self._socket:
-            if isinstance(frame, bytes):
-                self._take_bytes(frame)
-            else:
-                self._take(json.loads(frame))
+        try:
+            for frame in self._socket:
+                if isinstance(frame, bytes):
+                    self._take_bytes(frame)
+                else:
+                    self._take(json.loads(frame))
+        except ConnectionClosedError:
+            # The SDK answers no end of a connection.
+            pass
         self.is_closed = True
 
     def _take(self, frame: dict[str, Any]) -> None:

@@ -1,0 +1,52 @@
+"""`rosbase view --foxglove` as a process, and programs that it serves."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from support.command import RunningRosbase
+
+__all__ = ["BOARDS", "served"]
+
+BOARDS = """
+import sys
+from rosbase import BaseHandlers, BaseManager, BaseNode, DurabilityPolicy, QoSProfile
+from rosbase.messages import Header, Imu, Quaternion, String, Time
+
+HZ = float(sys.argv[1])
+
+
+class Board(BaseNode):
+    def __init__(self, manager=None, **kwargs):
+        super().__init__(manager, **kwargs)
+        self.imu = self.create_publisher(Imu, "imu/data")
+        kept = QoSProfile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_publisher(String, "model", kept).publish(String("two boards"))
+        self.objects = self.create_publisher(set, "objects")
+
+
+class Handlers(BaseHandlers):
+    def handle(self):
+        n = self.timestamp
+        # Its number is its stamp; it is turned by a quarter about z, and has not the norm 1.
+        header = Header(Time(n // 1_000, n % 1_000), "imu_link")
+        self.node(Board).imu.publish(Imu(header, Quaternion(0.0, 0.0, 2.0, 2.0)))
+        self.node(Board).objects.publish({n})
+        if n == 5:
+            print("ready", flush=True)
+
+
+manager = BaseManager("boards", {"board": Board}, {}, Handlers, node_freq_hz=HZ)
+manager.start_main_loop_timer()
+"""
+"""Publishes Imus at a rate that it is given, a text that it keeps, and objects without a type."""
+
+
+@contextmanager
+def served(*arguments: str) -> Iterator[tuple[RunningRosbase, int]]:
+    """Serves on a port of its own; gives the process and the port."""
+    with RunningRosbase("view", "--foxglove", "0", *arguments) as view:
+        view.waits_for("ws://", where=view.out)
+        found = re.search(r"ws://127\.0\.0\.1:(\d+)", "\n".join(view.out.lines))
+        assert found is not None
+        yield view, int(found[1])
