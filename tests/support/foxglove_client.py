@@ -1,6 +1,7 @@
 """A client of Foxglove's WebSocket protocol, on the library `websockets` and nothing of the SDK's."""
 
 import json
+import socket
 import struct
 import threading
 from collections.abc import Callable
@@ -37,8 +38,15 @@ class FoxgloveClient:
             port: Where the server listens.
             reads: Whether it reads what comes after the first line.
         """
+        # Small buffers are soon full.
+        buffers = None if reads else 4096
+        connection = socket.socket()
+        if buffers is not None:
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffers)
+        connection.connect(("127.0.0.1", port))
         self._socket: ClientConnection = connect(
             f"ws://127.0.0.1:{port}",
+            sock=connection,
             subprotocols=[SUBPROTOCOL],
             compression=None,
             max_size=None,
@@ -66,13 +74,17 @@ class FoxgloveClient:
         self._last = 0
         self._thread = threading.Thread(target=self._read)
         if reads:
-            self._thread.start()
+            self.read()
 
     def __enter__(self) -> "FoxgloveClient":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def read(self) -> None:
+        """Begins to read."""
+        self._thread.start()
 
     def close(self) -> None:
         """Ends the connection."""

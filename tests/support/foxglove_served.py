@@ -13,7 +13,7 @@ import sys
 from rosbase import BaseHandlers, BaseManager, BaseNode, DurabilityPolicy, QoSProfile
 from rosbase.messages import Header, Imu, Quaternion, String, Time
 
-HZ = float(sys.argv[1])
+HZ, EACH = float(sys.argv[1]), int(sys.argv[2])
 
 
 class Board(BaseNode):
@@ -27,19 +27,22 @@ class Board(BaseNode):
 
 class Handlers(BaseHandlers):
     def handle(self):
-        n = self.timestamp
-        # Its number is its stamp; it is turned by a quarter about z, and has not the norm 1.
-        header = Header(Time(n // 1_000, n % 1_000), "imu_link")
-        self.node(Board).imu.publish(Imu(header, Quaternion(0.0, 0.0, 2.0, 2.0)))
-        self.node(Board).objects.publish({n})
-        if n == 5:
+        for n in range(self.timestamp * EACH, (self.timestamp + 1) * EACH):
+            # Its number is its stamp; it is turned by a quarter about z, and has not the norm 1.
+            header = Header(Time(n // 1_000, n % 1_000), "imu_link")
+            self.node(Board).imu.publish(Imu(header, Quaternion(0.0, 0.0, 2.0, 2.0)))
+        self.node(Board).objects.publish({self.timestamp})
+        if self.timestamp == 5:
             print("ready", flush=True)
 
 
 manager = BaseManager("boards", {"board": Board}, {}, Handlers, node_freq_hz=HZ)
 manager.start_main_loop_timer()
 """
-"""Publishes Imus at a rate that it is given, a text that it keeps, and objects without a type."""
+"""Publishes Imus, a text that it keeps, and objects without a type.
+
+Its arguments are the rate of its ticks, and the number of Imus in each.
+"""
 
 
 @contextmanager

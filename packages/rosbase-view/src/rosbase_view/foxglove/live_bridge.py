@@ -107,10 +107,11 @@ class LiveBridge:
 
     def _update(self) -> None:
         found = self._survey()
-        topics = self._channels.update(found)
-        self._parameters.update(found)
-        services = self._services.update(found)
+        # Before the channels, which clients use as soon as they see them.
         self._client_topics.update(found)
+        self._parameters.update(found)
+        topics = self._channels.update(found)
+        services = self._services.update(found)
         self._server.send_links(links(topics, services))
 
     def _survey(self) -> Survey:
