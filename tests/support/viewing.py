@@ -1,11 +1,14 @@
 """What a view shows, without programs: reports that are made, a source that gives them, a clock."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from rosbase.clock import SystemClock
 from rosbase.control.shapes import Process, Topic
+from rosbase.messages import Imu
+from rosbase.wire import schema
+from rosbase.wire.plain import encoder
 from rosbase_view.imu_picture import IMU
 from rosbase_view.reports import (
     Counted,
@@ -18,16 +21,18 @@ from rosbase_view.reports import (
     Survey,
     TopicKey,
 )
-from rosbase_view.source import Change, Gaze
+from rosbase_view.source import Change, Gaze, Playback
 
 __all__ = [
     "ARM",
+    "IMU_SCHEMA",
     "IMU_TOPIC",
     "PID",
     "ROBOT",
     "MadeClock",
     "MadeSource",
     "imu",
+    "imu_heard",
     "made_process",
     "made_program",
     "made_topic",
@@ -40,6 +45,7 @@ SECOND = 1_000_000_000
 IMU_TOPIC: TopicKey = ("/imu/data", PID)
 ARM = ("/arm", PID)
 ROBOT = ("robot", PID)
+IMU_SCHEMA = schema(Imu)
 
 
 class MadeClock(SystemClock):
@@ -61,12 +67,13 @@ class MadeSource:
 
     def __init__(self, *, can_change: bool = True) -> None:
         self.can_change = can_change
+        self.playback: Playback | None = None
         self.waiting: list[Report] = []
         self.gazes: list[Gaze] = []
         self.changes: list[Change] = []
         self.calls: list[str] = []
 
-    def start(self) -> None:
+    def start(self, on_news: Callable[[], object] | None = None) -> None:
         self.calls.append("start")
 
     def take(self) -> Sequence[Report]:
@@ -75,6 +82,9 @@ class MadeSource:
 
     def look_at(self, gaze: Gaze) -> None:
         self.gazes.append(gaze)
+
+    def schema_of(self, topic: TopicKey) -> tuple[str, str]:
+        return IMU, IMU_SCHEMA
 
     def change(self, change: Change) -> None:
         self.changes.append(change)
@@ -174,6 +184,19 @@ def imu(yaw_degrees: float = 30.0) -> dict[str, Any]:
     }
 
 
+def imu_heard(yaw_degrees: float = 30.0, **fields: Any) -> Heard:
+    """A report on such a message, with these fields in place of its own."""
+    data = encoder(IMU, IMU_SCHEMA)({**imu(yaw_degrees), **fields})
+    return Heard(IMU_TOPIC, IMU, IMU_SCHEMA, 0, data)
+
+
+def counted(key: TopicKey, number: int) -> Iterator[Counted]:
+    """Eight seconds of a topic: the first one is even, the others come and go."""
+    for step in range(16):
+        part = 1.0 if number == 0 else 0.55 + 0.45 * math.sin(0.5 * step + number)
+        yield Counted(key, round((100 - number) * part), 0.5, (15 - step) * 0.5)
+
+
 def reports(topics: int = 5) -> list[Report]:
     """Everything that a source may tell, at one moment."""
     found = survey(topics)
@@ -184,8 +207,8 @@ def reports(topics: int = 5) -> list[Report]:
     frame = ParameterRow("frame_id", "string", "imu_link", "Frame of the IMU.", "", True)
     return [
         found,
-        *(Counted(key, 20 + number, 0.1) for number, key in enumerate(found.topics)),
+        *(one for number, key in enumerate(found.topics) for one in counted(key, number)),
         Logged([record]),
-        Heard(IMU_TOPIC, IMU, 0, imu(), 0),
+        imu_heard(),
         NodeReport(ARM, [speed, frame], ["activate", "cleanup", "shutdown"]),
     ]

@@ -55,8 +55,8 @@ def test_the_largest_value_fills_its_cell_and_a_small_one_is_not_nothing() -> No
     sparkline = Sparkline()
     for value in (0.0, 0.001, 50.0, 100.0):
         sparkline.add(value)
-    assert sparkline.draw(5, UNICODE) == "  ▁▄█"
-    assert sparkline.draw(2, UNICODE) == "▄█"
+    assert sparkline.draw(5, UNICODE) == "  ▁▄▇"
+    assert sparkline.draw(2, UNICODE) == "▄▇"
 
 
 @given(st.floats(), st.floats(1e-3, 1e3), st.integers(0, 80), GLYPHS)
@@ -142,7 +142,7 @@ def test_what_lies_outside_of_a_canvas_is_left_out() -> None:
 def test_a_board_of_any_orientation_fits(
     quaternion: tuple[float, float, float, float], columns: int, rows: int, glyphs: Glyphs
 ) -> None:
-    picture = board(quaternion, columns, rows, glyphs)
+    picture = [plain(row) for row in board(quaternion, columns, rows, glyphs)]
     assert [len(row) for row in picture] == [columns] * rows
     assert any(row.strip() for row in picture)
 
@@ -161,7 +161,7 @@ def test_a_board_that_is_turned_looks_different(glyphs: Glyphs) -> None:
 def test_a_nose_up_is_drawn_higher() -> None:
     def middle(quaternion: tuple[float, float, float, float]) -> float:
         """Height of the right half of the picture, where the nose is."""
-        rows = board(quaternion, 40, 16, ASCII)
+        rows = [plain(row) for row in board(quaternion, 40, 16, ASCII)]
         marked = [y for y, row in enumerate(rows) for x in range(26, 40) if row[x] == "*"]
         return sum(marked) / len(marked)
 

@@ -14,9 +14,10 @@ from rosbase_view.source import ChangeState, Gaze, SetParameter
 from rosbase_view.view import PaneSize, View
 from support.viewing import (
     ARM,
+    IMU_SCHEMA,
     IMU_TOPIC,
     PID,
-    imu,
+    imu_heard,
     made_process,
     made_program,
     made_topic,
@@ -87,7 +88,7 @@ def test_every_page_says_when_nothing_runs(page: int) -> None:
 def test_topics_have_rate_age_and_type() -> None:
     head, first, *_ = shown(view_of(reports()).draw_list(SMALL))
     assert head.split() == ["TOPIC", "RATE", "AGE", "LAST", "8", "S", "TYPE"]
-    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "sensor_msgs/msg/Imu"]
+    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "▇" * 16, "sensor_msgs/msg/Imu"]
 
 
 def test_the_page_that_is_shown_is_marked_without_colour() -> None:
@@ -95,14 +96,18 @@ def test_the_page_that_is_shown_is_marked_without_colour() -> None:
     assert plain(view.draw_heading(100)[0]).startswith(
         " 1 topics  2 nodes  3 parameters [4 log] 5 loop  6 programs "
     )
-    assert plain(view.draw_heading(80)[0]).rstrip().endswith("1 process")
+    assert plain(view.draw_heading(80)[0]).rstrip().endswith("1 program")
 
 
 def test_only_rows_that_have_changed_are_made_anew() -> None:
     view = view_of(reports(50))
     before = view.draw_list(LARGE)
-    view.known.take([Counted(IMU_TOPIC, 20, 0.1)], NOW)
-    after = view.draw_list(LARGE)
+    # The rate and the age stay the same until the bar of the sparkline is complete.
+    later = attrs.evolve(LARGE, now_ns=NOW + 100_000_000)
+    view.known.take([Counted(IMU_TOPIC, 20, 0.1)], later.now_ns)
+    assert all(a is b for a, b in zip(before[1:], view.draw_list(later)[1:], strict=True))
+    view.known.take([Counted(IMU_TOPIC, 80, 0.4)], later.now_ns)
+    after = view.draw_list(later)
     assert [y for y, line in enumerate(after) if y and line is not before[y]] == [1]
 
 
@@ -114,22 +119,21 @@ def test_a_message_is_drawn_once() -> None:
     after = view.draw_detail(size, is_beside=False)
     # The rule, the name and the ends are made each time.
     assert all(line is before[y] for y, line in enumerate(after) if y > 2)
-    view.known.take([Heard(IMU_TOPIC, "sensor_msgs/msg/Imu", 1, imu(31.0), 0)], NOW)
+    view.known.take([imu_heard(31.0)], NOW)
     assert view.draw_detail(size, is_beside=False)[3] is not before[3]
 
 
 def test_an_imu_is_drawn_above_its_tree() -> None:
     lines = shown(view_of(reports()).draw_detail(PaneSize(60, 40, NOW), is_beside=True))
     assert lines[0] == "│ /imu/data"
-    assert lines[1] == "│ 1 publishers, 0 subscriptions"
+    assert lines[1] == "│ 1 publisher, 0 subscriptions"
     assert "│ roll    0.0  pitch    0.0  yaw   30.0" in lines
     assert any(line.startswith("│ z     9.807") for line in lines)
     assert any("frame_id imu_link" in line for line in lines)
 
 
 def test_an_imu_without_an_orientation_is_not_drawn_as_level() -> None:
-    message = {**imu(), "orientation_covariance": (-1.0, *[0.0] * 8)}
-    found = [survey(), Heard(IMU_TOPIC, "sensor_msgs/msg/Imu", 0, message, 0)]
+    found = [survey(), imu_heard(orientation_covariance=(-1.0, *[0.0] * 8))]
     lines = shown(view_of(found).draw_detail(PaneSize(60, 40, NOW), is_beside=False))
     assert "no orientation" in lines
     assert not any("roll" in line for line in lines)
@@ -138,12 +142,14 @@ def test_an_imu_without_an_orientation_is_not_drawn_as_level() -> None:
 def test_the_message_of_another_topic_is_not_shown() -> None:
     view = view_of(reports())
     view.move(1)
-    assert view.gaze == Gaze(topic=("/joint_00/state", PID))
+    assert view.gaze == Gaze(topics=frozenset({("/joint_00/state", PID)}))
     assert "no message yet" in shown(view.draw_detail(SMALL, is_beside=False))
 
 
 def test_details_scroll_and_fold() -> None:
-    view = view_of([survey(), Heard(IMU_TOPIC, "x/msg/X", 0, imu(), 0)])
+    # Of another type, so that no picture is above it.
+    other = Heard(IMU_TOPIC, "x/msg/X", IMU_SCHEMA, 0, imu_heard().data)
+    view = view_of([survey(), other])
     size = PaneSize(60, 30, NOW)
     assert any("frame_id" in line for line in shown(view.draw_detail(size, is_beside=False)))
     view.scroll_detail(5)
@@ -315,3 +321,18 @@ def test_the_pages_go_round() -> None:
         view.turn_to(view.number + 1)
         seen.append(view.number)
     assert seen == [1, 2, 3, 4, 5, 0]
+
+
+def test_a_message_that_cannot_be_read_is_one_line() -> None:
+    broken = attrs.evolve(imu_heard(), data=b"\0\1\0\0 too short")
+    view = view_of([survey(), broken])
+    lines = shown(view.draw_detail(LARGE, is_beside=False))
+    assert lines[3].startswith("cannot be read: ")
+
+
+def test_messages_that_nobody_looks_at_are_forgotten() -> None:
+    known = view_of(reports()).known
+    known.forget_unseen(Gaze(topics=frozenset({IMU_TOPIC})))
+    assert list(known.heard) == [IMU_TOPIC]
+    known.forget_unseen(Gaze(nodes=frozenset({ARM})))
+    assert not known.heard

@@ -11,11 +11,13 @@ from rosbase_view.reports import (
     NodeKey,
     NodeReport,
     NodeRow,
+    Position,
     Report,
     Said,
     Survey,
     TopicKey,
 )
+from rosbase_view.source import Gaze
 from rosbase_view.topic_state import TopicState
 
 __all__ = ["MOST_RECORDS", "Known"]
@@ -40,9 +42,12 @@ class Known:
         self.log: deque[LogRecord] = deque(maxlen=MOST_RECORDS)
         self.logged = 0
         """Records so far, also those that have left `log`."""
-        self.heard: Heard | None = None
-        """Last message of the topic that is looked at."""
-        self.node_report: NodeReport | None = None
+        self.heard: dict[TopicKey, Heard] = {}
+        """Last message of each topic that is looked at."""
+        self.node_reports: dict[NodeKey, NodeReport] = {}
+        """Report on each node that is looked at."""
+        self.position: Position | None = None
+        """Where a recording is; None for what runs."""
         self._said: Said | None = None
         self._said_ns = 0
         self._survey_ns = 0
@@ -52,18 +57,25 @@ class Known:
         for report in reports:
             if isinstance(report, Counted):
                 if (topic := self.topics.get(report.topic)) is not None:
-                    topic.count(report.count, report.seconds, now_ns)
+                    last_ns = now_ns - int(report.age_s * 1e9)
+                    topic.count(report.count, report.seconds, last_ns, now_ns)
             elif isinstance(report, Survey):
                 self._learn(report, now_ns)
             elif isinstance(report, Heard):
-                self.heard = report
+                self.heard[report.topic] = report
             elif isinstance(report, Logged):
                 self.log.extend(report.records)
                 self.logged += len(report.records)
             elif isinstance(report, NodeReport):
-                self.node_report = report
+                self.node_reports[report.node] = report
+            elif isinstance(report, Position):
+                self.position = report
             else:
                 self._said, self._said_ns = report, now_ns
+
+    def forget_unseen(self, gaze: Gaze) -> None:
+        """Forget the messages of topics that nobody looks at, because they would grow old."""
+        self.heard = {key: one for key, one in self.heard.items() if key in gaze.topics}
 
     def said(self, now_ns: int) -> Said | None:
         """Return what the user should read now; after ten seconds it is gone."""
@@ -82,10 +94,10 @@ class Known:
                 self.topics[key] = TopicState(topic)
         self.topics = {key: self.topics[key] for key in sorted(survey.topics)}
         self.nodes = {node.key: node for node in survey.nodes}
-        if self.heard is not None and self.heard.topic not in self.topics:
-            self.heard = None
-        if self.node_report is not None and self.node_report.node not in self.nodes:
-            self.node_report = None
+        self.heard = {key: one for key, one in self.heard.items() if key in self.topics}
+        self.node_reports = {
+            key: one for key, one in self.node_reports.items() if key in self.nodes
+        }
 
     def _learn_cpu(self, processes: Sequence[Process], now_ns: int) -> None:
         before = {process["pid"]: process["cpu_ns"] for process in self.processes}

@@ -1,11 +1,13 @@
 """Reports of a source on what runs: data that the model takes, whatever they come from."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, TypeAlias
 
-from attrs import frozen
+from attrs import field, frozen
 
 from rosbase.control.shapes import LogRecord, Process, Statistics, Topic
+from rosbase.wire.plain import decoder
 
 __all__ = [
     "Counted",
@@ -15,6 +17,7 @@ __all__ = [
     "NodeReport",
     "NodeRow",
     "ParameterRow",
+    "Position",
     "Report",
     "Said",
     "Survey",
@@ -53,18 +56,41 @@ class Counted:
     topic: TopicKey
     count: int
     seconds: float
+    age_s: float = 0.0
+    """Time from the last message to the report."""
 
 
 @frozen
 class Heard:
-    """The last message of the topic that is looked at."""
+    """A message of a topic that is looked at."""
 
     topic: TopicKey
     type: str
+    schema: str
+    """Text of `ros2msg`, as `rosbase topic type` has it."""
     stamp_ns: int | None
     """When it was published, in nanoseconds since 1970; None for one that was kept."""
-    message: Mapping[str, Any]
-    dropped: int
+    data: bytes
+    """The message as CDR."""
+    dropped: int = 0
+    """Messages that were lost so far, because nobody took them in time."""
+    _read: list[Mapping[str, Any]] = field(factory=list, eq=False, init=False, repr=False)
+
+    @property
+    def message(self) -> Mapping[str, Any]:
+        """Return the fields by name, as `rosbase.wire.plain` reads them. They are read once.
+
+        Raises:
+            WireError: The bytes are no message of that type.
+        """
+        if not self._read:
+            self._read.append(_reader(self.type, self.schema)(self.data))
+        return self._read[0]
+
+
+@lru_cache(maxsize=256)
+def _reader(type_name: str, schema: str) -> Callable[[bytes], Mapping[str, Any]]:
+    return decoder(type_name, schema)
 
 
 @frozen
@@ -103,4 +129,16 @@ class Said:
     is_error: bool = False
 
 
-Report: TypeAlias = Survey | Counted | Heard | Logged | NodeReport | Said
+@frozen
+class Position:
+    """Where a recording is. Times are in nanoseconds since 1970."""
+
+    now_ns: int
+    begin_ns: int
+    end_ns: int
+    is_playing: bool
+    rate: float = 1.0
+    """Speed: 2 is twice as fast as it was recorded."""
+
+
+Report: TypeAlias = Survey | Counted | Heard | Logged | NodeReport | Said | Position

@@ -4,6 +4,7 @@ from collections.abc import Hashable, Sequence
 
 from attrs import frozen
 
+from rosbase_view.drawing.figures import counted
 from rosbase_view.drawing.glyphs import Glyphs
 from rosbase_view.drawing.lines import Ink, Line, Span, blank, cells, clipped, joined, line, plain
 from rosbase_view.known import Known
@@ -99,6 +100,14 @@ class View:
             return None
         return done
 
+    def list_rows(self, room: int) -> int:
+        """Return how many rows the list should have, if the details are below it.
+
+        What the list does not need is for the details, and a long list leaves them enough.
+        """
+        needed = len(self.page.keys()) + 1
+        return max(min(needed, room - self.page.detail_rows), min(needed, room // 3), 2)
+
     def draw_heading(self, width: int) -> list[Line]:
         """Return the line with the names of the pages; that of the page shown is in brackets."""
         parts: list[Span | str] = []
@@ -109,7 +118,7 @@ class View:
                 Span(f"[{name}]" if shown else f" {name} ", Ink.TITLE if shown else Ink.DIM)
             )
         names = line(*parts)
-        found = f"{_number(len(self.known.processes), 'process', 'processes')} "
+        found = f"{counted(len(self.known.processes), 'program')} "
         gap = width - cells(plain(names)) - len(found)
         return [joined((names, blank(gap), line(Span(found, Ink.DIM)))) if gap > 0 else names]
 
@@ -202,7 +211,3 @@ class _Cursor:
         elif not (self._index < len(keys) and keys[self._index] == self._key):
             known = self._key is not None and self._key in keys
             self._choose(keys, keys.index(self._key) if known else self._index)
-
-
-def _number(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"

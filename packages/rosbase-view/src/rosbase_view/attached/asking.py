@@ -19,8 +19,8 @@ class NodeAsker:
 
     def __init__(self) -> None:
         """Begin with nothing known."""
-        self._descriptions: dict[str, Any] = {}
-        self._described: tuple[NodeKey, Sequence[str]] | None = None
+        # What parameters mean does not change while a node has the same ones.
+        self._described: dict[NodeKey, tuple[Sequence[str], Mapping[str, Any]]] = {}
 
     def ask(self, node: NodeKey, *, has_lifecycle: bool) -> NodeReport:
         """Return what a node tells.
@@ -31,12 +31,12 @@ class NodeAsker:
         name, pid = node
         values = self._ask(pid, "parameter.get", name)["values"]
         names = sorted(values)
-        if self._described != (node, names):
-            # What parameters mean does not change.
+        before = self._described.get(node)
+        if before is None or before[0] != names:
             answer = self._ask(pid, "parameter.describe", name, names=names)
-            self._descriptions, self._described = answer["descriptors"], (node, names)
+            before = self._described[node] = (names, answer["descriptors"])
         offered = self._ask(pid, "lifecycle.get", name)["available"] if has_lifecycle else ()
-        rows = [_row(one, values[one], self._descriptions.get(one, {})) for one in names]
+        rows = [_row(one, values[one], before[1].get(one, {})) for one in names]
         return NodeReport(node, rows, [transition["label"] for transition in offered])
 
     @staticmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from rosbase.control.buses import with_children
 from rosbase.control.names import ambiguous, unknown
 from rosbase.control.questions.base import label
 from rosbase.control.shapes import Process
@@ -29,22 +30,8 @@ def chosen(processes: Sequence[Process], name: str | None) -> list[Process]:
         raise unknown("program", name, known)
     if len(those) > 1:
         raise ambiguous("program", name, [label(p) for p in those])
-    return _with_children(those[0], {p["pid"]: p for p in processes})
+    return with_children(those[0], processes)
 
 
 def _names(process: Process) -> list[str]:
     return [program["name"].lstrip("/") for program in process["programs"]]
-
-
-def _with_children(process: Process, known: dict[int, Process]) -> list[Process]:
-    # Pids are told by other processes, which may be wrong: none is taken twice.
-    found = {process["pid"]: process}
-    waiting = [process]
-    while waiting:
-        for program in waiting.pop()["programs"]:
-            for child in program["children"]:
-                pid = child["pid"]
-                if pid in known and pid not in found:
-                    found[pid] = known[pid]
-                    waiting.append(known[pid])
-    return list(found.values())

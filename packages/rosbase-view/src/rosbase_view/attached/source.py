@@ -1,16 +1,17 @@
 """The source of running programs."""
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rosbase import Clock, ControlError, SystemClock, background_thread
+from rosbase.control.gathering import ask_one
 from rosbase.control.time_limit import TimeLimit
 from rosbase_view.attached.asking import NodeAsker, make_change
 from rosbase_view.attached.inbox import Inbox
 from rosbase_view.attached.streams import Streams
 from rosbase_view.attached.surveying import survey
 from rosbase_view.attached.wanted import Tag, wanted
-from rosbase_view.reports import Report, Said, Survey
+from rosbase_view.reports import Report, Said, Survey, TopicKey
 from rosbase_view.source import Change, Gaze
 
 __all__ = ["AttachedSource"]
@@ -26,6 +27,7 @@ class AttachedSource:
     """
 
     can_change = True
+    playback = None
 
     def __init__(self, name: str | None = None, clock: Clock | None = None) -> None:
         """Prepare to look at all programs, or at one and its child processes.
@@ -40,6 +42,7 @@ class AttachedSource:
         self._streams = Streams(self._inbox.put_event, self._refused, self._fail)
         self._silent_until: dict[str, TimeLimit] = {}
         self._nodes = NodeAsker()
+        self._found = Survey((), {}, (), ())
         self._gaze = Gaze()
         self._poke = threading.Event()
         self._is_closed = False
@@ -56,8 +59,14 @@ class AttachedSource:
         if self._name is not None:
             self._inbox.put(survey(self._name, self._silent, self._silent_until))
 
-    def start(self) -> None:
-        """Start the threads."""
+    def start(self, on_news: Callable[[], object] | None = None) -> None:
+        """Start the threads.
+
+        Args:
+            on_news: Called on any thread when there is something to take.
+        """
+        if on_news is not None:
+            self._inbox.on_news = on_news
         self._streams.start()
         self._thread.start()
 
@@ -73,8 +82,23 @@ class AttachedSource:
 
     def look_at(self, gaze: Gaze) -> None:
         """Ask for what the user looks at."""
+        self._inbox.pace = gaze.pace
         self._gaze = gaze
         self._poke.set()
+
+    def schema_of(self, topic: TopicKey) -> tuple[str, str]:
+        """Return the type of the messages, and its schema; may wait for a second.
+
+        Raises:
+            ControlError: There is no such topic, its messages have no schema, or its program does
+                not answer.
+        """
+        found = self._found.topics.get(topic)
+        if found is None:
+            raise ControlError(f"there is no topic {topic[0]}", "unknown")
+        pid = [*found["publishers"], *found["subscriptions"]][0]["pid"]
+        answer = ask_one(pid, "topic.type", {"topic": found["name"]}, wait_s=1.0)[0]
+        return answer["type"], answer["schema"]
 
     def change(self, change: Change) -> None:
         """Begin a change."""
@@ -101,19 +125,19 @@ class AttachedSource:
 
     def _fail(self, error: Exception) -> None:
         self._failure = error
+        self._inbox.on_news()
 
     def _look(self) -> None:
-        found = Survey((), {}, (), ())
         due_ns = self._clock.monotonic_ns()
         while not self._is_closed:
             now_ns = self._clock.monotonic_ns()
             if now_ns >= due_ns:
-                found = self._survey()
+                self._found = self._survey()
                 due_ns = now_ns + _EVERY_NS
-                self._inbox.put(found)
+                self._inbox.put(self._found)
             gaze = self._gaze
-            self._streams.want(wanted(found, gaze))
-            self._ask_node(found, gaze)
+            self._streams.want(wanted(self._found, gaze))
+            self._ask_nodes(self._found, gaze)
             self._poke.wait(max(0.0, (due_ns - self._clock.monotonic_ns()) / 1e9))
             self._poke.clear()
 
@@ -129,16 +153,16 @@ class AttachedSource:
         self._was_there = True
         return found
 
-    def _ask_node(self, found: Survey, gaze: Gaze) -> None:
-        node = next((node for node in found.nodes if node.key == gaze.node), None)
-        if node is None:
-            return
-        try:
-            report = self._nodes.ask(node.key, has_lifecycle=node.lifecycle is not None)
-        except ControlError:
-            # It has ended, or is busy: the next survey tells.
-            return
-        self._inbox.put(report)
+    def _ask_nodes(self, found: Survey, gaze: Gaze) -> None:
+        for node in found.nodes:
+            if node.key not in gaze.nodes:
+                continue
+            try:
+                report = self._nodes.ask(node.key, has_lifecycle=node.lifecycle is not None)
+            except ControlError:
+                # It has ended, or is busy: the next survey tells.
+                continue
+            self._inbox.put(report)
 
     def _silent(self, reason: str) -> None:
         self._inbox.put(Said(reason, is_error=True))

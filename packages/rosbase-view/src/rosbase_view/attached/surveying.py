@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rosbase import ControlError
-from rosbase.control.buses import buses, on_several
+from rosbase.control.buses import buses
 from rosbase.control.gathering import gather
+from rosbase.control.joined_topics import joined_topics
 from rosbase.control.shapes import Process, Topic
 from rosbase.control.time_limit import TimeLimit
 from rosbase_view.attached.choosing import chosen
@@ -65,19 +66,9 @@ def _each(own: Mapping[int, list[Any]], number: int, key: str) -> list[tuple[int
 
 def _topics(own: Mapping[int, list[Any]], processes: Sequence[Process]) -> dict[TopicKey, Topic]:
     """Return the topics of each group of processes that hear each other."""
-    all_buses = buses(processes)
-    bus_of = {pid: bus for bus in all_buses for pid in bus.pids}
-    found: dict[TopicKey, Topic] = {}
-    for pid, one in _each(own, 1, "topics"):
-        key = one["name"], min(bus_of[pid].pids)
-        topic = found.setdefault(
-            key, {"name": one["name"], "types": [], "publishers": [], "subscriptions": []}
-        )
-        if one["type"] not in topic["types"]:
-            topic["types"].append(one["type"])
-        topic["publishers"] += [{**end, "pid": pid} for end in one["publishers"]]
-        topic["subscriptions"] += [{**end, "pid": pid} for end in one["subscriptions"]]
-    return {key: topic for key, topic in found.items() if on_several(topic, all_buses)}
+    first_of = {pid: min(bus.pids) for bus in buses(processes) for pid in bus.pids}
+    lists = [(pid, found[1]["topics"]) for pid, found in own.items() if _is_answer(found[1])]
+    return joined_topics(lists, first_of.__getitem__)
 
 
 def _nodes(own: Mapping[int, list[Any]]) -> list[NodeRow]:

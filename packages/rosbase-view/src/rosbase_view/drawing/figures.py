@@ -2,7 +2,7 @@
 
 import math
 
-__all__ = ["age", "duration", "number", "rate", "size", "times"]
+__all__ = ["age", "counted", "duration", "number", "rate", "size", "times"]
 
 _NS = 1_000_000_000
 
@@ -39,6 +39,11 @@ def age(time_ns: int | None) -> str:
         if seconds < limit:
             return f"{int(seconds // divisor)} {unit}"
     return f"{min(int(seconds // 86_400), 999)} d"
+
+
+def counted(number: int, one: str) -> str:
+    """Return a number of things, such as `1 publisher` or `2 publishers`."""
+    return f"{number} {one if number == 1 else one + 's'}"
 
 
 def duration(time_ns: int) -> str:

@@ -10,7 +10,7 @@ class Glyphs:
     """Characters for pictures."""
 
     levels: str
-    """From none to all of a cell, for sparklines."""
+    """From none to most of a cell, for sparklines; two rows of them do not touch."""
     block: str
     half: str
     """Left half of a block; as wide as a block for a terminal that has none."""
@@ -27,5 +27,5 @@ class Glyphs:
     """Whether a cell can show a pattern of 2 by 4 dots."""
 
 
-UNICODE = Glyphs(" ▁▂▃▄▅▆▇█", "█", "▌", "│", "▶", "▾", "▸", "│", "─", has_dots=True)
+UNICODE = Glyphs(" ▁▂▃▄▅▆▇", "█", "▌", "│", "▶", "▾", "▸", "│", "─", has_dots=True)
 ASCII = Glyphs(" .:-=+*%#", "#", "#", "|", ">", "v", ">", "|", "-", has_dots=False)

@@ -22,6 +22,10 @@ class Ink(Enum):
     WARNING = "warning"
     BAD = "bad"
     CHOSEN = "chosen"
+    DRAWING = "drawing"
+    X = "x"
+    Y = "y"
+    Z = "z"
 
 
 class Span(NamedTuple):

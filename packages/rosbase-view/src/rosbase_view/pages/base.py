@@ -19,6 +19,7 @@ class BasePage:
     title: str = ""
     hints: Sequence[tuple[str, str]] = ()
     follows: bool = False
+    detail_rows: int = 5
     columns: ClassVar[Sequence[Column]] = ()
 
     def __init__(self, known: Known, glyphs: Glyphs) -> None:

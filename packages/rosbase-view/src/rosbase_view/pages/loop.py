@@ -20,6 +20,7 @@ class LoopPage(BasePage):
     """Programs that have a main loop."""
 
     title = "loop"
+    detail_rows = 14
     columns = (
         Column("PROGRAM", 16, share=1),
         Column("RATE", 9, is_right=True),
@@ -69,7 +70,7 @@ class LoopPage(BasePage):
             *(
                 line(
                     f"up to {times(upper):>{_NUMBER}} {count:>{_NUMBER}} ",
-                    filled(count / most, bar_width, self.glyphs),
+                    Span(filled(count / most, bar_width, self.glyphs), Ink.DRAWING),
                 )
                 for upper, count in buckets
             ),

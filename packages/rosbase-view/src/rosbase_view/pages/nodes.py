@@ -29,6 +29,7 @@ class NodesPage(BasePage):
 
     title = "nodes"
     hints = (("c a d u s", "lifecycle"), ("enter", "parameters"))
+    detail_rows = 7
     columns = (
         Column("NODE", 24, share=2),
         Column("LIFECYCLE", 14),
@@ -68,7 +69,7 @@ class NodesPage(BasePage):
 
     def gaze(self, key: Hashable | None) -> Gaze:
         """Look at the node."""
-        return Gaze(node=None if key is None else _key(key))
+        return Gaze(nodes=frozenset(() if key is None else (_key(key),)))
 
     def press(self, key: str, chosen: Hashable | None) -> Change | Edit | int | None:
         """Run a transition that the node offers, or go to its parameters."""
@@ -83,10 +84,8 @@ class NodesPage(BasePage):
 
     def _offered(self, key: NodeKey) -> Sequence[str]:
         """Return the transitions that the node offers, as far as it has told."""
-        report = self.known.node_report
-        if report is None or report.node != key:
-            return ()
-        return report.transitions
+        report = self.known.node_reports.get(key)
+        return () if report is None else report.transitions
 
 
 def _key(key: Hashable) -> NodeKey:

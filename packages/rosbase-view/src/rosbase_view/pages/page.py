@@ -58,6 +58,9 @@ class Page(Protocol):
     follows: bool
     """Whether the cursor stays at the end while rows are added, until it is moved away."""
 
+    detail_rows: int
+    """Rows that the details should have below a long list."""
+
     def keys(self) -> Sequence[Hashable]:
         """Return the rows, each by something that stays the same while it is known."""
         ...

@@ -78,7 +78,8 @@ class ParametersPage(BasePage):
 
     def gaze(self, key: Hashable | None) -> Gaze:
         """Look at the node."""
-        return Gaze(node=self._chosen_node())
+        node = self._chosen_node()
+        return Gaze(nodes=frozenset(() if node is None else (node,)))
 
     def press(self, key: str, chosen: Hashable | None) -> Change | Edit | int | None:
         """Edit the chosen parameter, unless it is fixed."""
@@ -88,8 +89,9 @@ class ParametersPage(BasePage):
         return ParameterEdit(node, row.name, row.kind, _text(row.value))
 
     def _rows(self) -> Sequence[ParameterRow]:
-        report = self.known.node_report
-        return report.parameters if report and report.node == self._chosen_node() else ()
+        node = self._chosen_node()
+        report = None if node is None else self.known.node_reports.get(node)
+        return () if report is None else report.parameters
 
     def _row(self, key: Hashable | None) -> ParameterRow | None:
         return next((row for row in self._rows() if row.name == key), None)

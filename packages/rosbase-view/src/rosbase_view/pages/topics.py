@@ -2,7 +2,8 @@
 
 from collections.abc import Hashable, Sequence
 
-from rosbase_view.drawing.figures import age, rate
+from rosbase import WireError
+from rosbase_view.drawing.figures import age, counted, rate
 from rosbase_view.drawing.glyphs import Glyphs
 from rosbase_view.drawing.lines import Ink, Line, Span, clipped, line
 from rosbase_view.drawing.table import Cell, Column
@@ -32,6 +33,7 @@ class TopicsPage(BasePage):
 
     title = "topics"
     hints = (("enter", "fold"),)
+    detail_rows = 13
     columns = _COLUMNS
 
     def __init__(self, known: Known, glyphs: Glyphs) -> None:
@@ -49,8 +51,7 @@ class TopicsPage(BasePage):
 
     def row(self, key: Hashable, pane: Pane, *, is_chosen: bool) -> Line:
         """Return a row: the same one as before, if nothing that it shows has changed."""
-        topic = self.known.topics[_key(key)]
-        stamp = (topic.revision, age(topic.age_ns(pane.now_ns)), pane.width)
+        stamp = (self.cells(key, pane), pane.width)
         place = (_key(key), is_chosen)
         before = self._rows.get(place)
         if before is not None and before[0] == stamp:
@@ -65,12 +66,13 @@ class TopicsPage(BasePage):
         """Return the cells of a row."""
         topic = self.known.topics[_key(key)]
         age_ns = topic.age_ns(pane.now_ns)
-        ink = Ink.DIM if age_ns is None or age_ns > _STALE_NS else Ink.PLAIN
+        is_stale = age_ns is None or age_ns > _STALE_NS
+        ink, drawn = (Ink.DIM, Ink.DIM) if is_stale else (Ink.PLAIN, Ink.DRAWING)
         return (
             Cell(_key(key)[0]),
-            Cell(rate(topic.rate_hz if topic.total else None), ink),
+            Cell(rate(topic.rate_hz(pane.now_ns)), ink),
             Cell(age(age_ns), ink),
-            Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), ink),
+            Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), drawn),
             Cell(", ".join(topic.topic["types"]), Ink.DIM),
         )
 
@@ -78,19 +80,23 @@ class TopicsPage(BasePage):
         """Return the ends of the topic, and its last message: a picture, if it has one."""
         if key is None:
             return []
-        topic, heard = self.known.topics[_key(key)], self.known.heard
+        topic, heard = self.known.topics[_key(key)], self.known.heard.get(_key(key))
         ends = topic.topic
-        lost = f", {topic.dropped} lost by them" if topic.dropped else ""
+        lost = f", which lost {counted(topic.dropped, 'message')}" if topic.dropped else ""
         lines = [
             line(Span(clipped(_key(key)[0], pane.width), Ink.TITLE)),
             line(
-                f"{len(ends['publishers'])} publishers, {len(ends['subscriptions'])}"
-                f" subscriptions{lost}"
+                f"{counted(len(ends['publishers']), 'publisher')},"
+                f" {counted(len(ends['subscriptions']), 'subscription')}{lost}"
             ),
         ]
-        if heard is None or heard.topic != key:
+        if heard is None:
             return [*lines, line(Span("no message yet", Ink.DIM))]
-        return [*lines, *self._message_lines(heard, pane, first)][: pane.height]
+        try:
+            message = self._message_lines(heard, pane, first)
+        except WireError as error:
+            message = [line(Span(clipped(f"cannot be read: {error}", pane.width), Ink.BAD))]
+        return [*lines, *message][: pane.height]
 
     def _message_lines(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
         """Return the lines of a message: those of before, if it is the same one."""
@@ -121,7 +127,7 @@ class TopicsPage(BasePage):
 
     def gaze(self, key: Hashable | None) -> Gaze:
         """Look at the messages of the topic."""
-        return Gaze(topic=None if key is None else _key(key))
+        return Gaze(topics=frozenset(() if key is None else (_key(key),)))
 
     def press(self, key: str, chosen: Hashable | None) -> Change | Edit | int | None:
         """Fold or unfold the message."""

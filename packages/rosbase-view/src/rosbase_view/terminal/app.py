@@ -70,6 +70,7 @@ class ViewApp(App[None]):
         gaze = self.view.gaze
         if gaze != self._gaze:
             self._gaze = gaze
+            self.view.known.forget_unseen(gaze)
             self._source.look_at(gaze)
         self._main.redraw()
 

@@ -22,6 +22,11 @@ _STYLES = {
     Ink.WARNING: Style(color="yellow", bold=True),
     Ink.BAD: Style(color="red", bold=True),
     Ink.CHOSEN: Style(reverse=True),
+    Ink.DRAWING: Style(color="cyan"),
+    # The axes have the colours that rviz gives them.
+    Ink.X: Style(color="red"),
+    Ink.Y: Style(color="green"),
+    Ink.Z: Style(color="blue"),
 }
 
 

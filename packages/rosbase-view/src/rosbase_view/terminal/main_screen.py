@@ -26,7 +26,7 @@ _FAR = 1_000_000
 class MainScreen(Screen[None]):
     """Heading, list, details and status."""
 
-    CSS = """
+    DEFAULT_CSS = """
     #heading, #status { height: 1; }
     #panes { layout: vertical; height: 1fr; }
     #list, #detail { height: 1fr; width: 1fr; }
@@ -63,6 +63,7 @@ class MainScreen(Screen[None]):
         self._view = view
         self._now_ns = now_ns
         self._on_change = on_change
+        self._list_height: int | str = "1fr"
 
     def compose(self) -> ComposeResult:
         """Return the panes."""
@@ -74,12 +75,16 @@ class MainScreen(Screen[None]):
 
     def redraw(self) -> None:
         """Show what is known now."""
+        self._share_room()
         for pane in self.query(LinesPane):
             pane.redraw()
 
     def on_key(self, event: events.Key) -> None:
         """Pass a key to the page."""
         done = self._view.press(event.key)
+        if done is not None:
+            # The editor that is about to open must not take the same key.
+            event.stop()
         if isinstance(done, Change):
             self._on_change(done)
         elif done is not None:
@@ -121,6 +126,17 @@ class MainScreen(Screen[None]):
         """Show a page."""
         self._view.turn_to(number)
         self.redraw()
+
+    def _share_room(self) -> None:
+        """Give the list the rows that it needs, if the details are below it."""
+        room = self.query_one("#panes").size.height
+        if self.size.width >= _WIDE or room <= 0:
+            height: int | str = "1fr"
+        else:
+            height = self._view.list_rows(room)
+        if height != self._list_height:
+            self._list_height = height
+            self.query_one("#list").styles.height = height
 
     def _edit(self, edit: Edit) -> None:
         def done(text: str | None) -> None:

@@ -14,7 +14,7 @@ __all__ = ["ValueEditor"]
 class ValueEditor(ModalScreen[str | None]):
     """One line to edit; the result is the new text, or None if the user gave up."""
 
-    CSS = """
+    DEFAULT_CSS = """
     ValueEditor { align: center middle; }
     ValueEditor > Vertical { width: 60; max-width: 100%; height: auto; padding: 1 2;
                              background: $surface; }
