@@ -1,4 +1,4 @@
-"""A client of Foxglove's WebSocket protocol, on the library `websockets` and nothing of the SDK's."""
+"""A client of Foxglove's WebSocket protocol, on the library `websockets`, without the SDK."""
 
 import json
 import socket

@@ -1,31 +1,36 @@
-"""The topics of the programs as channels of the server."""
+"""Topics as channels of the server."""
 
 import threading
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Hashable, Mapping
 
-from attrs import define, field
+from attrs import define, field, frozen
 from foxglove import Channel
 
 from rosbase import ControlError
-from rosbase.control.gathering import ask_one
 from rosbase.control.names import is_hidden
 from rosbase.control.shapes import Topic
 from rosbase.messages.tf2_msgs import TFMessage
 from rosbase.wire import schema
-from rosbase_view.attached.wanted import Question, Tag
 from rosbase_view.foxglove.names import NameTable, candidates
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.server import Server
 from rosbase_view.foxglove.transforms import TF, TF_TYPE, Transforms
-from rosbase_view.foxglove.wanted import wanted
 from rosbase_view.imu_picture import IMU
 from rosbase_view.reports import Survey, TopicKey
 
-__all__ = ["Channels", "programs_of"]
+__all__ = ["Channels", "Listened", "programs_of"]
 
-_ANSWER_S = 1.0
 _OWN_TRANSFORMS = (TF, "/tf_static")
+
+
+@frozen
+class Listened:
+    """What clients listen to."""
+
+    topics: Mapping[TopicKey, int]
+    """Topics, each with how many clients have begun to listen so far."""
+    turned: frozenset[TopicKey]
+    """Topics of Imus of which transforms are made."""
 
 
 @define
@@ -39,26 +44,32 @@ class _Open:
     """None for the transforms that are made here, and while the program is gone."""
     listeners: int = 0
     """How many clients have begun to listen so far."""
-    dropped: dict[Tag, int] = field(factory=dict)
+    dropped: dict[Hashable, int] = field(factory=dict)
     """Messages that each stream has lost."""
     was_dropped: int = 0
     """Messages that had been lost at the last look."""
 
 
 class Channels:
-    """Keeps a channel for each topic. One thread updates it, another one brings messages."""
+    """Keeps a channel for each topic. One thread updates it; others may bring messages."""
 
-    def __init__(self, server: Server, notices: Notices, now_ns: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        server: Server,
+        notices: Notices,
+        schema_of: Callable[[TopicKey, Topic], tuple[str, str]],
+    ) -> None:
         """Begin without channels.
 
         Args:
             server: Where they are offered.
             notices: Takes what the user should know.
-            now_ns: Returns the date, for messages that have none.
+            schema_of: Returns the type of a topic and its schema. It raises ControlError if it
+                does not know them, of the kind `failed` if there are none.
         """
-        self._server, self._notices, self._now_ns = server, notices, now_ns
+        self._server, self._notices, self._schema_of = server, notices, schema_of
         self._names: NameTable[TopicKey] = NameTable()
-        self._survey = Survey((), {}, (), ())
+        self._imus: frozenset[TopicKey] = frozenset()
         self._transforms = Transforms()
         self._makes_transforms = False
         # The SDK calls back while a channel closes, so nothing of it is called with this lock.
@@ -68,8 +79,7 @@ class Channels:
         self._faulty: set[TopicKey] = set()
 
     def update(self, survey: Survey) -> dict[str, Topic]:
-        """Offer what runs; return the topics by the names that clients see."""
-        self._survey = survey
+        """Offer the topics that there are; return them by the names that clients see."""
         names = self._names.update(_candidates(survey))
         for name, key in names.items():
             self._offer(name, key, survey.topics[key])
@@ -98,52 +108,56 @@ class Channels:
             if (found := self._open.get(name)) is not None:
                 found.listeners += 1
 
-    def wanted(self) -> dict[Tag, Question]:
-        """Return the streams for the channels to which clients listen."""
-        heard = {
+    def listened(self) -> Listened:
+        """Return what clients listen to."""
+        topics = {
             one.topic: one.listeners
             for one in self._open.values()
             if one.topic is not None and one.channel.has_sinks()
         }
         is_turned = self._makes_transforms and self._open[TF].channel.has_sinks()
-        return wanted(self._survey, heard, _imus(self._survey) if is_turned else ())
+        return Listened(topics, self._imus if is_turned else frozenset())
 
-    def take(
-        self, tag: Tag, _answer: Mapping[str, Any], event: Mapping[str, Any], data: bytes
-    ) -> None:
-        """Send a message to the clients that listen. Called by the thread that reads it."""
-        stamp_ns = event["stamp_ns"] or self._now_ns()
+    def send(self, topic: TopicKey, stamp_ns: int, data: bytes) -> None:
+        """Send a message to the clients that listen. Any thread may do so."""
         with self._lock:
-            is_made = tag.kind == "transform"
-            found = self._open.get(TF) if is_made else self._by_topic.get(tag.topic)
-            is_ours = self._makes_transforms
-        if found is None or (is_made and not is_ours):
-            return
-        message = self._transforms.of(tag.topic, data) if is_made else data
-        if message is not None:
+            found = self._by_topic.get(topic)
+        if found is not None:
+            found.channel.log(data, log_time=stamp_ns)
+
+    def send_transform(self, topic: TopicKey, stamp_ns: int, data: bytes) -> None:
+        """Send the transform of an Imu. One thread does so."""
+        with self._lock:
+            found = self._open.get(TF) if self._makes_transforms else None
+        if found is not None and (message := self._transforms.of(topic, data)) is not None:
             found.channel.log(message, log_time=stamp_ns)
-        if event["dropped"] and not is_made:
-            found.dropped[tag] = event["dropped"]
+
+    def count_dropped(self, topic: TopicKey, stream: Hashable, dropped: int) -> None:
+        """Take how many messages a stream of a topic has lost so far."""
+        with self._lock:
+            if (found := self._by_topic.get(topic)) is not None:
+                found.dropped[stream] = dropped
 
     def _offer(self, name: str, key: TopicKey, topic: Topic) -> None:
         found = self._open.get(name)
         if key in self._faulty or (found is not None and found.topic == key):
             return
         try:
-            about = _type_of(topic)
+            type_name, text = self._schema_of(key, topic)
         except ControlError as error:
-            if error.kind == "failed" and "has no schema" in str(error):
+            # Otherwise the program has ended, or is asked again.
+            if error.kind == "failed":
                 self._faulty.add(key)
                 self._notices.say(f"type {name}", f"{name} is not shown: {error}")
-            # Otherwise the program has ended, or is asked again.
             return
-        self._set(name, about["type"], about["schema"], key)
+        self._set(name, type_name, text, key)
 
     def _offer_transforms(self, survey: Survey) -> None:
         """Offer transforms made of Imus, if no program has its own."""
+        self._imus = frozenset(key for key, topic in survey.topics.items() if IMU in topic["types"])
         own = {topic["name"] for topic in survey.topics.values() if topic["publishers"]}
         is_used = TF in self._open and self._open[TF].topic is not None
-        makes = bool(_imus(survey)) and not is_used and not own.intersection(_OWN_TRANSFORMS)
+        makes = bool(self._imus) and not is_used and not own.intersection(_OWN_TRANSFORMS)
         if makes:
             self._set(TF, TF_TYPE, schema(TFMessage), None)
         with self._lock:
@@ -196,28 +210,3 @@ def _candidates(survey: Survey) -> dict[TopicKey, tuple[str, ...]]:
         for key in survey.topics
         if not is_hidden(key[0])
     }
-
-
-def _imus(survey: Survey) -> list[TopicKey]:
-    return [key for key, topic in survey.topics.items() if IMU in topic["types"]]
-
-
-def _type_of(topic: Topic) -> Mapping[str, Any]:
-    """Ask a program for the type of a topic.
-
-    Raises:
-        ControlError: The program has ended, or the topic has no type of ROS.
-    """
-    # Not all of them know the class.
-    pids = dict.fromkeys(end["pid"] for end in (*topic["publishers"], *topic["subscriptions"]))
-    failure = ControlError(f"the program of topic {topic['name']} has ended", "unknown")
-    for pid in pids:
-        try:
-            found: Mapping[str, Any] = ask_one(
-                pid, "topic.type", {"topic": topic["name"]}, wait_s=_ANSWER_S
-            )[0]
-        except ControlError as error:
-            failure = error
-        else:
-            return found
-    raise failure

@@ -1,21 +1,24 @@
 """Running programs, seen and operated by the clients of the server."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from rosbase import Clock, ControlError, background_thread
 from rosbase.control.time_limit import TimeLimit
 from rosbase_view.attached.streams import Streams
 from rosbase_view.attached.surveying import survey
 from rosbase_view.attached.wanted import Tag
+from rosbase_view.foxglove.asking import schema_of
 from rosbase_view.foxglove.channels import Channels
 from rosbase_view.foxglove.client_topics import ClientTopics
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.listener import Listener
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.parameter_desk import ParameterDesk
-from rosbase_view.foxglove.server import Address, Server
+from rosbase_view.foxglove.server import Server
 from rosbase_view.foxglove.service_desk import ServiceDesk
+from rosbase_view.foxglove.wanted import wanted
 from rosbase_view.reports import Survey
 
 __all__ = ["LiveBridge"]
@@ -46,32 +49,30 @@ class LiveBridge:
         self._name, self._clock, self._fail = name, clock, on_failure
         self._server = Server()
         self._notices = Notices(self._server)
-        self._channels = Channels(self._server, self._notices, clock.now_ns)
+        self._channels = Channels(self._server, self._notices, schema_of)
         self._parameters = ParameterDesk(self._server, self._notices, self._fail)
         self._services = ServiceDesk(self._server)
         self._client_topics = ClientTopics(self._channels, self._notices, self._fail)
-        self._streams = Streams(self._channels.take, self._refused, self._fail)
+        self._streams = Streams(self._take, self._refused, self._fail)
         self._silent_until: dict[str, TimeLimit] = {}
+        self._found = _NOTHING
         self._poke = threading.Event()
         self._is_closed = False
         self._thread = background_thread(self._run, "rosbase view foxglove")
 
-    def start(self, address: Address) -> int:
+    def start(self, name: str, host: str, port: int) -> int:
         """Listen, and begin to look; return the port.
 
         Raises:
-            ConfigurationError: The port is in use.
-            ControlError: No program has the name, or several have.
+            ConfigurationError: The port is in use, or there is no such address.
         """
-        if self._name is not None:
-            survey(self._name, self._silent, self._silent_until)
         listener = Listener(self._channels, self._parameters, self._client_topics, self._poke.set)
-        self._server.start(f"rosbase {self._name or ''}".strip(), address, listener)
+        found = self._server.start(name, host, port, listener)
         self._parameters.start()
         self._client_topics.start()
         self._streams.start()
         self._thread.start()
-        return self._server.port
+        return found
 
     def close(self) -> None:
         """End all connections and threads; nothing goes on in the programs. Idempotent."""
@@ -101,12 +102,12 @@ class LiveBridge:
                 due_ns = now_ns + _LOOK_NS
             if is_due or self._poke.is_set():
                 self._poke.clear()
-                self._streams.want(self._channels.wanted())
+                self._streams.want(wanted(self._found, self._channels.listened()))
             self._server.send_time(self._clock.now_ns())
             self._poke.wait(_TIME_NS / 1e9)
 
     def _update(self) -> None:
-        found = self._survey()
+        found = self._found = self._survey()
         # Before the channels, which clients use as soon as they see them.
         self._client_topics.update(found)
         self._parameters.update(found)
@@ -123,6 +124,19 @@ class LiveBridge:
             return _NOTHING
         self._notices.end("program", f"program {self._name} is back")
         return found
+
+    def _take(
+        self, tag: Tag, _answer: Mapping[str, Any], event: Mapping[str, Any], data: bytes
+    ) -> None:
+        """Take a message, on the thread that reads."""
+        # One that the program has kept has no date.
+        stamp_ns = event["stamp_ns"] or self._clock.now_ns()
+        if tag.kind == "transform":
+            self._channels.send_transform(tag.topic, stamp_ns, data)
+            return
+        self._channels.send(tag.topic, stamp_ns, data)
+        if event["dropped"]:
+            self._channels.count_dropped(tag.topic, tag.pid, event["dropped"])
 
     def _silent(self, reason: str) -> None:
         self._notices.say("silent", reason)

@@ -1,6 +1,5 @@
 """The server of foxglove-sdk, and what it sends."""
 
-from attrs import frozen
 from foxglove import Channel, Context, Parameter, Schema, Service, StatusLevel, start_server
 from foxglove.websocket import (
     Capability,
@@ -12,10 +11,8 @@ from foxglove.websocket import (
 from rosbase import ConfigurationError
 from rosbase_view.foxglove.graph import Links, to_graph
 
-__all__ = ["ENCODING", "HOST", "PORT", "Address", "Server"]
+__all__ = ["ENCODING", "SCHEMA_ENCODING", "Server"]
 
-HOST = "127.0.0.1"
-PORT = 8765
 ENCODING = "cdr"
 SCHEMA_ENCODING = "ros2msg"
 # Messages that wait for a client that does not read; then the oldest are dropped. The SDK knows a
@@ -31,14 +28,6 @@ _LIVE = (
 _IN_USE = "Address already in use"
 
 
-@frozen
-class Address:
-    """Where the server listens."""
-
-    host: str = HOST
-    port: int = PORT
-
-
 class Server:
     """A server that may not have been started yet: it then sends nothing."""
 
@@ -51,15 +40,17 @@ class Server:
     def start(
         self,
         name: str,
-        address: Address,
+        host: str,
+        port: int,
         listener: ServerListener,
         time_range: tuple[int, int] | None = None,
-    ) -> None:
-        """Listen.
+    ) -> int:
+        """Listen; return the port.
 
         Args:
             name: Name that clients show.
-            address: Where to listen.
+            host: Address on which to listen.
+            port: Port; 0 for a free one.
             listener: Takes what clients ask for. The SDK calls it on threads that also send
                 messages, so it must be quick.
             time_range: First and last date of a recording, in nanoseconds since 1970: it is played
@@ -72,8 +63,8 @@ class Server:
         try:
             self._server = start_server(
                 name=name,
-                host=address.host,
-                port=address.port,
+                host=host,
+                port=port,
                 capabilities=list(capabilities),
                 server_listener=listener,
                 supported_encodings=[ENCODING],
@@ -82,12 +73,8 @@ class Server:
                 message_backlog_size=_BACKLOG,
             )
         except RuntimeError as error:
-            raise _cannot_listen(address, error) from None
-
-    @property
-    def port(self) -> int:
-        """Port on which it listens."""
-        return 0 if self._server is None else self._server.port
+            raise _cannot_listen(f"port {port} of {host}", error) from None
+        return self._server.port
 
     def stop(self) -> None:
         """End all connections."""
@@ -150,8 +137,7 @@ class Server:
             self._server.remove_status([about])
 
 
-def _cannot_listen(address: Address, error: RuntimeError) -> ConfigurationError:
-    where = f"port {address.port} of {address.host}"
+def _cannot_listen(where: str, error: RuntimeError) -> ConfigurationError:
     if _IN_USE in str(error):
         return ConfigurationError(f"{where} is in use; choose another one: --foxglove PORT")
     reason = str(error).removeprefix("FoxgloveError: ")

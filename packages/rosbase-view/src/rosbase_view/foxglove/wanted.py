@@ -1,11 +1,12 @@
 """Which streams of messages the clients need. Pure."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rosbase.control.buses import buses, observers, on_several
 from rosbase_view.attached.wanted import Question, Tag
-from rosbase_view.reports import Survey, TopicKey
+from rosbase_view.foxglove.channels import Listened
+from rosbase_view.reports import Survey
 
 __all__ = ["MOST_WAITING", "wanted"]
 
@@ -15,16 +16,9 @@ MOST_WAITING = 10_000
 _TRANSFORM_EVERY_NS = 20_000_000
 
 
-def wanted(
-    survey: Survey, heard: Mapping[TopicKey, int], turned: Collection[TopicKey]
-) -> dict[Tag, Question]:
-    """Return the streams for the topics that clients listen to.
-
-    Args:
-        survey: What runs.
-        heard: The topics, each with how many clients have begun to listen so far.
-        turned: Topics of Imus of which the transform is made.
-    """
+def wanted(survey: Survey, listened: Listened) -> dict[Tag, Question]:
+    """Return the streams for the topics that clients listen to."""
+    heard, turned = listened.topics, listened.turned
     found: dict[Tag, Question] = {}
     all_buses = buses(survey.processes)
     for key in {*heard, *turned} & set(survey.topics):

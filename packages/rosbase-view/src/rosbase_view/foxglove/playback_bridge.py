@@ -1,0 +1,201 @@
+"""A recording, played to the clients of the server."""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from attrs import evolve
+from foxglove.websocket import (
+    ChannelView,
+    Client,
+    PlaybackCommand,
+    PlaybackControlRequest,
+    PlaybackState,
+    PlaybackStatus,
+    ServerListener,
+)
+
+from rosbase import ConfigurationError, background_thread
+from rosbase_view.foxglove.channels import Channels, Listened
+from rosbase_view.foxglove.graph import links
+from rosbase_view.foxglove.notices import Notices
+from rosbase_view.foxglove.server import Server
+from rosbase_view.reports import Heard, Position, Report, Said, Survey
+from rosbase_view.source import Gaze, Pace, Playback, Source
+
+__all__ = ["PlaybackBridge"]
+
+_OPENING_S = 30.0
+_LOOK_S = 0.05
+
+
+class PlaybackBridge:
+    """Sends what a source plays, and moves it as clients ask.
+
+    It begins to play when the first client listens: Lichtblick and PlotJuggler have no controls
+    for it.
+    """
+
+    def __init__(
+        self, source: Source, playback: Playback, on_failure: Callable[[Exception], object]
+    ) -> None:
+        """Prepare to play.
+
+        Args:
+            source: The recording.
+            playback: Its controls.
+            on_failure: Takes an error that should not happen, with which a thread has ended.
+        """
+        self._source, self._playback, self._fail = source, playback, on_failure
+        self._server = Server()
+        self._notices = Notices(self._server)
+        self._channels = Channels(self._server, self._notices, lambda key, _: source.schema_of(key))
+        self._position: Position | None = None
+        self._listened = Listened({}, frozenset())
+        self._has_begun = False
+        self._poke = threading.Event()
+        self._requests: deque[PlaybackControlRequest] = deque()
+        self._is_closed = False
+        self._thread = background_thread(self._run, "rosbase view playback")
+
+    def start(self, name: str, host: str, port: int) -> int:
+        """Open the recording and listen; return the port.
+
+        Raises:
+            ConfigurationError: The port is in use, or the recording cannot be opened.
+        """
+        self._source.start(self._poke.set)
+        position = self._first_position()
+        listener = _Listener(self._channels, self._requests, self._poke.set)
+        time_range = position.begin_ns, position.end_ns
+        found = self._server.start(name, host, port, listener, time_range)
+        self._thread.start()
+        return found
+
+    def close(self) -> None:
+        """End all connections and threads. Idempotent."""
+        self._is_closed = True
+        self._poke.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._server.stop()
+        self._source.close()
+
+    def _first_position(self) -> Position:
+        """Wait until the source tells where the recording begins and ends."""
+        while self._position is None:
+            self._poke.clear()
+            self._take(self._source.take())
+            if self._position is None and not self._poke.wait(_OPENING_S):
+                raise ConfigurationError("the recording cannot be opened")
+        return self._position
+
+    def _run(self) -> None:
+        try:
+            while not self._is_closed:
+                self._poke.wait(_LOOK_S)
+                self._poke.clear()
+                self._step()
+        except Exception as error:
+            self._fail(error)
+
+    def _step(self) -> None:
+        self._take(self._source.take())
+        listened = self._channels.listened()
+        if listened != self._listened:
+            self._listened = listened
+            topics = frozenset(listened.topics) | listened.turned
+            self._source.look_at(Gaze(topics=topics, pace=Pace.ALL))
+        while self._requests:
+            self._obey(self._requests.popleft())
+        if (listened.topics or listened.turned) and not self._has_begun:
+            self._has_begun = True
+            self._playback.play()
+
+    def _obey(self, request: PlaybackControlRequest) -> None:
+        """Do what a client asks, and tell all clients."""
+        self._has_begun = True
+        if self._position is None or request.playback_speed != self._position.rate:
+            self._playback.set_rate(request.playback_speed)
+        if request.seek_time is not None:
+            self._playback.seek(request.seek_time)
+        is_playing = request.playback_command == PlaybackCommand.Play
+        (self._playback.play if is_playing else self._playback.pause)()
+        if (position := self._position) is None:
+            return
+        now_ns = position.now_ns if request.seek_time is None else request.seek_time
+        asked = evolve(
+            position,
+            now_ns=min(max(now_ns, position.begin_ns), position.end_ns),
+            is_playing=is_playing,
+            rate=request.playback_speed,
+        )
+        did_seek = request.seek_time is not None
+        self._server.send_playback(_state(asked, request.request_id, did_seek=did_seek))
+
+    def _take(self, reports: Sequence[Report]) -> None:
+        for report in reports:
+            if isinstance(report, Heard):
+                self._send(report)
+            elif isinstance(report, Survey):
+                topics = self._channels.update(report)
+                self._server.send_links(links(topics, {}))
+            elif isinstance(report, Position):
+                self._move(report)
+            elif isinstance(report, Said) and report.is_error:
+                self._notices.say("recording", report.text)
+
+    def _send(self, heard: Heard) -> None:
+        stamp_ns = heard.stamp_ns or 0
+        if heard.topic in self._listened.topics:
+            self._channels.send(heard.topic, stamp_ns, heard.data)
+        if heard.topic in self._listened.turned:
+            self._channels.send_transform(heard.topic, stamp_ns, heard.data)
+        if heard.dropped:
+            self._channels.count_dropped(heard.topic, None, heard.dropped)
+
+    def _move(self, position: Position) -> None:
+        before, self._position = self._position, position
+        self._server.send_time(position.now_ns)
+        if before is None or _status(before) != _status(position) or before.rate != position.rate:
+            self._server.send_playback(_state(position, None, did_seek=False))
+
+
+class _Listener(ServerListener):
+    """Takes what clients ask for, on threads of the SDK."""
+
+    def __init__(
+        self,
+        channels: Channels,
+        requests: "deque[PlaybackControlRequest]",
+        poke: Callable[[], object],
+    ) -> None:
+        self._channels, self._requests, self._poke = channels, requests, poke
+
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
+        """Begin to hear a topic."""
+        self._channels.count_listener(channel.topic)
+        self._poke()
+
+    def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
+        """End hearing a topic, if nobody else listens."""
+        self._poke()
+
+    def on_playback_control_request(
+        self, playback_control_request: PlaybackControlRequest
+    ) -> PlaybackState | None:
+        """Move soon; the state is sent when that was done."""
+        self._requests.append(playback_control_request)
+        self._poke()
+        return None
+
+
+def _status(position: Position) -> PlaybackStatus:
+    if position.is_playing:
+        return PlaybackStatus.Playing
+    is_over = position.now_ns >= position.end_ns
+    return PlaybackStatus.Ended if is_over else PlaybackStatus.Paused
+
+
+def _state(position: Position, request: str | None, *, did_seek: bool) -> PlaybackState:
+    return PlaybackState(_status(position), position.now_ns, position.rate, did_seek, request)
