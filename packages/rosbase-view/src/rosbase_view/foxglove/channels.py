@@ -155,7 +155,12 @@ class Channels:
     def _offer_transforms(self, survey: Survey) -> None:
         """Offer transforms made of Imus, if no program has its own."""
         self._imus = frozenset(key for key, topic in survey.topics.items() if IMU in topic["types"])
-        own = {topic["name"] for topic in survey.topics.values() if topic["publishers"]}
+        # Topics of a recording have no ends at all.
+        own = {
+            topic["name"]
+            for topic in survey.topics.values()
+            if topic["publishers"] or not topic["subscriptions"]
+        }
         is_used = TF in self._open and self._open[TF].topic is not None
         makes = bool(self._imus) and not is_used and not own.intersection(_OWN_TRANSFORMS)
         if makes:

@@ -20,7 +20,7 @@ from rosbase_view.foxglove.channels import Channels, Listened
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.server import Server
-from rosbase_view.reports import Heard, Position, Report, Said, Survey
+from rosbase_view.reports import Heard, Position, Report, Said, Survey, TopicKey
 from rosbase_view.source import Gaze, Pace, Playback, Source
 
 __all__ = ["PlaybackBridge"]
@@ -52,6 +52,7 @@ class PlaybackBridge:
         self._channels = Channels(self._server, self._notices, lambda key, _: source.schema_of(key))
         self._position: Position | None = None
         self._listened = Listened({}, frozenset())
+        self._last: dict[TopicKey, Heard] = {}
         self._has_begun = False
         self._poke = threading.Event()
         self._requests: deque[PlaybackControlRequest] = deque()
@@ -103,6 +104,7 @@ class PlaybackBridge:
         self._take(self._source.take())
         listened = self._channels.listened()
         if listened != self._listened:
+            self._send_again(listened)
             self._listened = listened
             topics = frozenset(listened.topics) | listened.turned
             self._source.look_at(Gaze(topics=topics, pace=Pace.ALL))
@@ -115,7 +117,7 @@ class PlaybackBridge:
     def _obey(self, request: PlaybackControlRequest) -> None:
         """Do what a client asks, and tell all clients."""
         self._has_begun = True
-        if self._position is None or request.playback_speed != self._position.rate:
+        if request.playback_speed > 0.0:
             self._playback.set_rate(request.playback_speed)
         if request.seek_time is not None:
             self._playback.seek(request.seek_time)
@@ -147,12 +149,24 @@ class PlaybackBridge:
 
     def _send(self, heard: Heard) -> None:
         stamp_ns = heard.stamp_ns or 0
+        self._last[heard.topic] = heard
         if heard.topic in self._listened.topics:
             self._channels.send(heard.topic, stamp_ns, heard.data)
         if heard.topic in self._listened.turned:
             self._channels.send_transform(heard.topic, stamp_ns, heard.data)
         if heard.dropped:
             self._channels.count_dropped(heard.topic, None, heard.dropped)
+
+    def _send_again(self, listened: Listened) -> None:
+        """Send the last messages of topics to which another client has begun to listen.
+
+        It may be one that was sent only once, such as a map. The others get it again.
+        """
+        for topic, listeners in listened.topics.items():
+            before = self._listened.topics.get(topic)
+            heard = self._last.get(topic)
+            if before is not None and before < listeners and heard is not None:
+                self._channels.send(topic, heard.stamp_ns or 0, heard.data)
 
     def _move(self, position: Position) -> None:
         before, self._position = self._position, position
