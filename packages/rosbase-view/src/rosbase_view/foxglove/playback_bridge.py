@@ -121,6 +121,7 @@ class PlaybackBridge:
             self._playback.set_rate(request.playback_speed)
         if request.seek_time is not None:
             self._playback.seek(request.seek_time)
+            self._last.clear()
         is_playing = request.playback_command == PlaybackCommand.Play
         (self._playback.play if is_playing else self._playback.pause)()
         if (position := self._position) is None:
@@ -130,7 +131,7 @@ class PlaybackBridge:
             position,
             now_ns=min(max(now_ns, position.begin_ns), position.end_ns),
             is_playing=is_playing,
-            rate=request.playback_speed,
+            rate=request.playback_speed if request.playback_speed > 0.0 else position.rate,
         )
         did_seek = request.seek_time is not None
         self._server.send_playback(_state(asked, request.request_id, did_seek=did_seek))
