@@ -67,7 +67,7 @@ class PlaybackBridge:
         """
         self._source.start(self._poke.set)
         position = self._first_position()
-        listener = _Listener(self._channels, self._requests, self._poke.set)
+        listener = _Listener(self._channels, self._ask, self._poke.set)
         time_range = position.begin_ns, position.end_ns
         found = self._server.start(name, host, port, listener, time_range)
         self._thread.start()
@@ -115,7 +115,7 @@ class PlaybackBridge:
             self._playback.play()
 
     def _obey(self, request: PlaybackControlRequest) -> None:
-        """Do what a client asks, and tell all clients."""
+        """Do what a client asks. All clients have been told."""
         self._has_begun = True
         if request.playback_speed > 0.0:
             self._playback.set_rate(request.playback_speed)
@@ -124,17 +124,16 @@ class PlaybackBridge:
             self._last.clear()
         is_playing = request.playback_command == PlaybackCommand.Play
         (self._playback.play if is_playing else self._playback.pause)()
-        if (position := self._position) is None:
-            return
-        now_ns = position.now_ns if request.seek_time is None else request.seek_time
-        asked = evolve(
-            position,
-            now_ns=min(max(now_ns, position.begin_ns), position.end_ns),
-            is_playing=is_playing,
-            rate=request.playback_speed if request.playback_speed > 0.0 else position.rate,
-        )
+
+    def _ask(self, request: PlaybackControlRequest) -> PlaybackState | None:
+        """Take what a client asks, on a thread of the SDK; return what will be."""
+        position = self._position
+        if position is None:
+            return None
+        self._requests.append(request)
+        self._poke.set()
         did_seek = request.seek_time is not None
-        self._server.send_playback(_state(asked, request.request_id, did_seek=did_seek))
+        return _state(_asked(position, request), request.request_id, did_seek=did_seek)
 
     def _take(self, reports: Sequence[Report]) -> None:
         for report in reports:
@@ -173,7 +172,7 @@ class PlaybackBridge:
         before, self._position = self._position, position
         self._server.send_time(position.now_ns)
         if before is None or _status(before) != _status(position) or before.rate != position.rate:
-            self._server.send_playback(_state(position, None, did_seek=False))
+            self._server.send_playback(_state(position, None))
 
 
 class _Listener(ServerListener):
@@ -182,10 +181,10 @@ class _Listener(ServerListener):
     def __init__(
         self,
         channels: Channels,
-        requests: "deque[PlaybackControlRequest]",
+        ask: Callable[[PlaybackControlRequest], PlaybackState | None],
         poke: Callable[[], object],
     ) -> None:
-        self._channels, self._requests, self._poke = channels, requests, poke
+        self._channels, self._ask, self._poke = channels, ask, poke
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Begin to hear a topic."""
@@ -199,10 +198,8 @@ class _Listener(ServerListener):
     def on_playback_control_request(
         self, playback_control_request: PlaybackControlRequest
     ) -> PlaybackState | None:
-        """Move soon; the state is sent when that was done."""
-        self._requests.append(playback_control_request)
-        self._poke()
-        return None
+        """Move soon; return the state that is then, which all clients are told."""
+        return self._ask(playback_control_request)
 
 
 def _status(position: Position) -> PlaybackStatus:
@@ -212,5 +209,16 @@ def _status(position: Position) -> PlaybackStatus:
     return PlaybackStatus.Ended if is_over else PlaybackStatus.Paused
 
 
-def _state(position: Position, request: str | None, *, did_seek: bool) -> PlaybackState:
+def _state(position: Position, request: str | None, *, did_seek: bool = False) -> PlaybackState:
     return PlaybackState(_status(position), position.now_ns, position.rate, did_seek, request)
+
+
+def _asked(position: Position, request: PlaybackControlRequest) -> Position:
+    """Return where a recording is once a request is obeyed."""
+    now_ns = position.now_ns if request.seek_time is None else request.seek_time
+    return evolve(
+        position,
+        now_ns=min(max(now_ns, position.begin_ns), position.end_ns),
+        is_playing=request.playback_command == PlaybackCommand.Play,
+        rate=request.playback_speed if request.playback_speed > 0.0 else position.rate,
+    )
