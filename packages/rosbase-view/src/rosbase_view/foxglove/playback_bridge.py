@@ -15,7 +15,7 @@ from foxglove.websocket import (
     ServerListener,
 )
 
-from rosbase import ConfigurationError, background_thread
+from rosbase import Clock, ConfigurationError, background_thread
 from rosbase_view.foxglove.channels import Channels, Listened
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.notices import Notices
@@ -26,7 +26,9 @@ from rosbase_view.source import Gaze, Pace, Playback, Source
 __all__ = ["PlaybackBridge"]
 
 _OPENING_S = 30.0
-_LOOK_S = 0.05
+_LOOK_S = 0.02
+# Clients forget what they have when they hear of a jump, so what follows must not come before.
+_AFTER_NS = 20_000_000
 
 
 class PlaybackBridge:
@@ -37,16 +39,22 @@ class PlaybackBridge:
     """
 
     def __init__(
-        self, source: Source, playback: Playback, on_failure: Callable[[Exception], object]
+        self,
+        source: Source,
+        playback: Playback,
+        clock: Clock,
+        on_failure: Callable[[Exception], object],
     ) -> None:
         """Prepare to play.
 
         Args:
             source: The recording.
             playback: Its controls.
+            clock: Tells when to move.
             on_failure: Takes an error that should not happen, with which a thread has ended.
         """
-        self._source, self._playback, self._fail = source, playback, on_failure
+        self._source, self._playback = source, playback
+        self._clock, self._fail = clock, on_failure
         self._server = Server()
         self._notices = Notices(self._server)
         self._channels = Channels(self._server, self._notices, lambda key, _: source.schema_of(key))
@@ -55,7 +63,8 @@ class PlaybackBridge:
         self._last: dict[TopicKey, Heard] = {}
         self._has_begun = False
         self._poke = threading.Event()
-        self._requests: deque[PlaybackControlRequest] = deque()
+        # With the time at which each is obeyed.
+        self._requests: deque[tuple[int, PlaybackControlRequest]] = deque()
         self._is_closed = False
         self._thread = background_thread(self._run, "rosbase view playback")
 
@@ -108,8 +117,8 @@ class PlaybackBridge:
             self._listened = listened
             topics = frozenset(listened.topics) | listened.turned
             self._source.look_at(Gaze(topics=topics, pace=Pace.ALL))
-        while self._requests:
-            self._obey(self._requests.popleft())
+        while self._requests and self._clock.monotonic_ns() >= self._requests[0][0]:
+            self._obey(self._requests.popleft()[1])
         if (listened.topics or listened.turned) and not self._has_begun:
             self._has_begun = True
             self._playback.play()
@@ -122,16 +131,21 @@ class PlaybackBridge:
         if request.seek_time is not None:
             self._playback.seek(request.seek_time)
             self._last.clear()
-        is_playing = request.playback_command == PlaybackCommand.Play
-        (self._playback.play if is_playing else self._playback.pause)()
+        if request.playback_command == PlaybackCommand.Pause:
+            self._playback.pause()
+        elif request.seek_time is None or not self._is_end(request.seek_time):
+            # From the end, a source would play from the beginning.
+            self._playback.play()
+
+    def _is_end(self, time_ns: int) -> bool:
+        return self._position is not None and time_ns >= self._position.end_ns
 
     def _ask(self, request: PlaybackControlRequest) -> PlaybackState | None:
         """Take what a client asks, on a thread of the SDK; return what will be."""
         position = self._position
         if position is None:
             return None
-        self._requests.append(request)
-        self._poke.set()
+        self._requests.append((self._clock.monotonic_ns() + _AFTER_NS, request))
         did_seek = request.seek_time is not None
         return _state(_asked(position, request), request.request_id, did_seek=did_seek)
 
@@ -148,6 +162,9 @@ class PlaybackBridge:
                 self._notices.say("recording", report.text)
 
     def _send(self, heard: Heard) -> None:
+        if any(request.seek_time is not None for _, request in list(self._requests)):
+            # Clients have been told that this time is left.
+            return
         stamp_ns = heard.stamp_ns or 0
         self._last[heard.topic] = heard
         if heard.topic in self._listened.topics:

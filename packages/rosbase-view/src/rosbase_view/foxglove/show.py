@@ -38,7 +38,7 @@ def run(source: Source, options: Options) -> int:
             bridge = LiveBridge(options.name, SystemClock(), ending.fail)
             name = options.name or "all programs"
         else:
-            bridge = PlaybackBridge(source, source.playback, ending.fail)
+            bridge = PlaybackBridge(source, source.playback, SystemClock(), ending.fail)
             name = Path(options.name or "").name
         try:
             port = bridge.start(f"rosbase: {name}", options.host, options.port)
