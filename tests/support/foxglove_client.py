@@ -38,6 +38,7 @@ class FoxgloveClient:
             port: Where the server listens.
             reads: Whether it reads what comes after the first line.
         """
+        self.port = port
         # Small buffers are soon full.
         buffers = None if reads else 4096
         connection = socket.socket()

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 from support.command import RunningRosbase
 
-__all__ = ["BOARDS", "served"]
+__all__ = ["BOARDS", "port_of", "served"]
 
 BOARDS = """
 import sys
@@ -49,7 +49,12 @@ Its arguments are the rate of its ticks, and the number of Imus in each.
 def served(*arguments: str) -> Iterator[tuple[RunningRosbase, int]]:
     """Serves on a port of its own; gives the process and the port."""
     with RunningRosbase("view", "--foxglove", "0", *arguments) as view:
-        view.waits_for("ws://", where=view.out)
-        found = re.search(r"ws://127\.0\.0\.1:(\d+)", "\n".join(view.out.lines))
-        assert found is not None
-        yield view, int(found[1])
+        yield view, port_of(view)
+
+
+def port_of(view: RunningRosbase) -> int:
+    """Waits for the port that a server prints."""
+    view.waits_for("ws://", where=view.out)
+    found = re.search(r"ws://127\.0\.0\.1:(\d+)", "\n".join(view.out.lines))
+    assert found is not None
+    return int(found[1])

@@ -44,7 +44,8 @@ class RecordedSource:
         self._head = Playhead(recording.begin_ns, recording.end_ns)
         self._outbox = Outbox(self._topics)
         self._is_surveyed = False
-        self._is_moved = True
+        # Where to read from; None while the file is read from there.
+        self._target_ns: int | None = recording.begin_ns
         self._fresh: frozenset[TopicKey] = frozenset()
         self._counted_ns = (0, recording.begin_ns)
         self._on_news: Callable[[], object] = lambda: None
@@ -154,8 +155,8 @@ class RecordedSource:
     def _move(self, to_ns: int, now_ns: int) -> None:
         self._head.seek(to_ns, now_ns)
         self._outbox.clear()
-        self._is_moved = True
-        self._counted_ns = now_ns, self._head.at(now_ns)
+        self._target_ns = self._head.at(now_ns)
+        self._counted_ns = now_ns, self._target_ns
 
     def _survey(self) -> Survey:
         return Survey((), {key: _shape(topic) for key, topic in self._topics.items()}, (), ())
@@ -189,25 +190,29 @@ class RecordedSource:
             with self._changed:
                 if self._is_closed:
                     return
-                now_ns = self._clock.monotonic_ns()
-                at_ns, is_moved, fresh = self._head.at(now_ns), self._is_moved, self._fresh
-                self._is_moved, self._fresh = False, frozenset()
-            if is_moved:
-                messages = self._recording.messages(at_ns)
+                target_ns, self._target_ns = self._target_ns, None
+                fresh, self._fresh = self._fresh, frozenset()
+                if target_ns is not None:
+                    fresh = self._outbox.gaze.topics
+            if target_ns is not None:
+                messages = self._recording.messages(target_ns)
                 following = next(messages, None)
-                fresh |= self._outbox.gaze.topics
+            elif following is not None:
+                target_ns = following.stamp_ns
+            else:
+                target_ns = self._recording.end_ns + 1
             if fresh:
-                self._show_latest(at_ns, fresh)
+                self._show_latest(target_ns, fresh)
             batch, following = self._read(messages, following)
             if self._deliver(batch, following):
                 self._on_news()
             self._wait(following)
 
-    def _show_latest(self, at_ns: int, topics: frozenset[TopicKey]) -> None:
-        """Report what was known at a time of topics that are looked at only now."""
-        latest = self._recording.latest(at_ns)
+    def _show_latest(self, before_ns: int, topics: frozenset[TopicKey]) -> None:
+        """Report what was known before a time of topics that are looked at only now."""
+        latest = self._recording.latest(before_ns)
         with self._changed:
-            if self._is_moved:
+            if self._target_ns is not None:
                 return
             for message in latest:
                 if (heard := self._heard(message)) is not None and heard.topic in topics:
@@ -236,7 +241,7 @@ class RecordedSource:
     def _deliver(self, batch: Sequence[Heard], following: RecordedMessage | None) -> bool:
         """Report messages; return whether there is any news."""
         with self._changed:
-            if self._is_moved:
+            if self._target_ns is not None:
                 # They are of a time that was left while they were read.
                 return True
             for heard in batch:
@@ -259,7 +264,7 @@ class RecordedSource:
     def _wait(self, following: RecordedMessage | None) -> None:
         """Wait until the next message is due, or something else is asked for."""
         with self._changed:
-            if self._is_closed or self._is_moved or self._fresh:
+            if self._is_closed or self._target_ns is not None or self._fresh:
                 return
             if not self._head.is_playing:
                 self._changed.wait()
