@@ -5,6 +5,7 @@ import socket
 import struct
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 from websockets.exceptions import ConnectionClosedError
@@ -45,13 +46,16 @@ class FoxgloveClient:
         if buffers is not None:
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffers)
         connection.connect(("127.0.0.1", port))
-        self._socket: ClientConnection = connect(
-            f"ws://127.0.0.1:{port}",
-            sock=connection,
-            subprotocols=[SUBPROTOCOL],
-            compression=None,
-            max_size=None,
-            max_queue=None if reads else 1,
+        self._stack = ExitStack()
+        self._socket: ClientConnection = self._stack.enter_context(
+            connect(
+                f"ws://127.0.0.1:{port}",
+                sock=connection,
+                subprotocols=[SUBPROTOCOL],
+                compression=None,
+                max_size=None,
+                max_queue=None if reads else 1,
+            )
         )
         assert self._socket.subprotocol == SUBPROTOCOL
         self.info: dict[str, Any] = json.loads(self._socket.recv())
@@ -92,7 +96,7 @@ class FoxgloveClient:
         if self._thread.ident is None:
             # It would wait for what it does not read.
             self._socket.socket.close()
-        self._socket.close()
+        self._stack.close()
         if self._thread.ident is not None:
             self._thread.join()
 

@@ -96,6 +96,9 @@ class McapFile:
         return summary
 
     def _topics_of(self, chunk: ChunkIndex) -> set[str]:
+        if not chunk.message_indexes:
+            # Whoever wrote it has not told.
+            return set(self._names.values())
         return {self._names[one] for one in chunk.message_indexes if one in self._names}
 
     def _in(self, chunk: ChunkIndex) -> Iterator[RecordedMessage]:
