@@ -113,7 +113,8 @@ class Channels:
         topics = {
             one.topic: one.listeners
             for one in self._open.values()
-            if one.topic is not None and one.channel.has_sinks()
+            # The SDK connects a client a moment before it tells so.
+            if one.topic is not None and one.listeners and one.channel.has_sinks()
         }
         is_turned = self._makes_transforms and self._open[TF].channel.has_sinks()
         return Listened(topics, self._imus if is_turned else frozenset())
