@@ -35,6 +35,8 @@ FEW_FAILURES = 3
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
 EXTRAS = {"imu-mqtt": "[broker]"}
+# Pictures of the view depend on the version.
+PINS = {"rosbase-view": ["textual==8.2.8"]}
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
 # Shows what a command has written to a terminal.
 TERMINAL = "pyte>=0.8"
@@ -140,6 +142,8 @@ def tests(session: nox.Session, distribution: str) -> None:
     # Our rotations are compared with those of transforms3d.
     session.install("numpy", "transforms3d>=0.4.2", *TEST_TOOLS)
     _install(session, *names)
+    if pins := PINS.get(distribution):
+        session.install(*pins)
     _test_on_each(session, folder)
 
 

@@ -33,7 +33,6 @@ TOPICS, RATE_HZ = 50, 10
 COLUMNS, ROWS = 160, 50
 WARM_UP_S, MEASURED_S = 3.0, 10.0
 TURNS = 3
-_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
 class Talker(BaseNode):
@@ -89,7 +88,7 @@ class Turn:
 def measure(what: str) -> Turn:
     """One turn."""
     with tempfile.TemporaryDirectory(prefix="rosbase-") as folder:
-        environment = {**os.environ, "XDG_RUNTIME_DIR": folder}
+        environment = {**os.environ, "ROSBASE_CONTROL_FOLDER": folder}
         here = [sys.executable, str(Path(__file__))]
         program = subprocess.Popen([*here, "observed"], env=environment)
         command = {
@@ -141,8 +140,8 @@ def _read_for(fd: int, seconds: float) -> None:
 
 def _cpu_s(pid: int) -> float:
     """CPU time of a process, of all its threads."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+    tasks = Path(f"/proc/{pid}/task").glob("*/schedstat")
+    return sum(int(task.read_text().split()[0]) for task in tasks) / 1e9
 
 
 def main() -> None:

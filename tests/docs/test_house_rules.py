@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 # has surroundings, each a subject of its own: the driver, other programs and who they are, two
 # kinds of network, and the speed of a UART. A view has a model, drawings, a page for each subject,
 # a source and widgets.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 36}
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 44}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

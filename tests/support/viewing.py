@@ -127,9 +127,12 @@ def made_process(pid: int = PID, *programs: Any, **facts: Any) -> Process:
         "memory_bytes": 29_100_000,
         "threads": 3,
         "programs": list(programs or [made_program()]),
+        "clients": 1,
+        "dropped": 0,
         **facts,
     }
-    return found
+    made: Process = found
+    return made
 
 
 def made_topic(

@@ -13,11 +13,11 @@ def test_an_imu_is_a_few_rows() -> None:
         "header:",
         "  stamp: sec 12  nanosec 345000000",
         "  frame_id: imu_link",
-        "orientation: x 0  y 0  z 0  w 1",
+        "orientation: x  0  y  0  z  0  w  1",
         "orientation_covariance: [ 0, 0, 0, 0, 0, 0, 0, 0, 0]",
-        "angular_velocity: x 0.01  y-0.5  z 1.25",
+        "angular_velocity: x  0.01  y -0.5  z  1.25",
         "angular_velocity_covariance: [ 0, 0, 0, 0, 0, 0, 0, 0, 0]",
-        "linear_acceleration: x 0.3  y-0.1  z 9.80665",
+        "linear_acceleration: x  0.3  y -0.1  z  9.80665",
         "linear_acceleration_covariance: [ 0, 0, 0, 0, 0, 0, 0, 0, 0]",
     ]
 

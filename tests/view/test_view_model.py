@@ -88,7 +88,15 @@ def test_every_page_says_when_nothing_runs(page: int) -> None:
 def test_topics_have_rate_age_and_type() -> None:
     head, first, *_ = shown(view_of(reports()).draw_list(SMALL))
     assert head.split() == ["TOPIC", "RATE", "AGE", "LAST", "8", "S", "TYPE"]
-    assert first.split() == ["▶", "/imu/data", "200.0", "Hz", "now", "▇" * 16, "sensor_msgs/msg/Imu"]
+    assert first.split() == [
+        "▶",
+        "/imu/data",
+        "200.0",
+        "Hz",
+        "now",
+        "▇" * 16,
+        "sensor_msgs/msg/Imu",
+    ]
 
 
 def test_the_page_that_is_shown_is_marked_without_colour() -> None:
@@ -128,12 +136,12 @@ def test_an_imu_is_drawn_above_its_tree() -> None:
     assert lines[0] == "│ /imu/data"
     assert lines[1] == "│ 1 publisher, 0 subscriptions"
     assert "│ roll    0.0  pitch    0.0  yaw   30.0" in lines
-    assert any(line.startswith("│ z     9.807") for line in lines)
+    assert any(line.startswith("│ z    9.807") for line in lines)
     assert any("frame_id imu_link" in line for line in lines)
 
 
 def test_an_imu_without_an_orientation_is_not_drawn_as_level() -> None:
-    found = [survey(), imu_heard(orientation_covariance=(-1.0, *[0.0] * 8))]
+    found: list[Report] = [survey(), imu_heard(orientation_covariance=(-1.0, *[0.0] * 8))]
     lines = shown(view_of(found).draw_detail(PaneSize(60, 40, NOW), is_beside=False))
     assert "no orientation" in lines
     assert not any("roll" in line for line in lines)
@@ -159,6 +167,20 @@ def test_details_scroll_and_fold() -> None:
     folded = shown(view.draw_detail(size, is_beside=False))
     assert "▸ header" in folded
     assert not any("frame_id" in line for line in folded)
+
+
+def test_the_view_begins_with_an_imu() -> None:
+    found = survey()
+    others = {
+        ("/a/transition_event", PID): made_topic("/a", "lifecycle_msgs/msg/TransitionEvent"),
+        ("/b", PID): made_topic("/b", "std_msgs/msg/Float64"),
+    }
+    view = view_of([attrs.evolve(found, topics=others)])
+    assert view.chosen == ("/b", PID)
+    # One that comes later does not take the eyes away.
+    view.known.take([attrs.evolve(found, topics={**others, **found.topics})], NOW)
+    assert view.chosen == ("/b", PID)
+    assert view_of([attrs.evolve(found, topics={**others, **found.topics})]).chosen == IMU_TOPIC
 
 
 def test_the_cursor_stays_with_its_topic_when_others_come() -> None:

@@ -110,7 +110,7 @@ def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -
     found = Looking(source)
     found.until(lambda: found.known.topics, "the topics")
     source.close()
-    wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")  # type: ignore[typeddict-item]  # told beside what is typed
+    wait_until(lambda: connect("app").processes()[0]["clients"] == 1, "no clients but this")
 
 
 def test_a_thread_that_fails_ends_the_view_and_is_not_silent(
@@ -146,19 +146,35 @@ def start_view(tmux: OwnTmux, columns: int, rows: int, **environment: str) -> No
     given = {"XDG_RUNTIME_DIR": os.environ["XDG_RUNTIME_DIR"], "PYTHONUTF8": "1", **environment}
     options = [word for name, value in given.items() for word in ("-e", f"{name}={value}")]
     size = ["-x", str(columns), "-y", str(rows)]
-    tmux("new-session", "-d", "-s", SESSION, *size, *options, shlex.join([ROSBASE, "view", "app"]))
+    tmux(
+        "new-session",
+        "-d",
+        "-s",
+        SESSION,
+        *size,
+        *options,
+        f"{shlex.join([ROSBASE, 'view', 'app'])} 2>errors.txt",
+    )
 
 
-def choose(tmux: OwnTmux, row: str) -> None:
-    """Goes down to a row of the page."""
+def keys(tmux: OwnTmux, *names: str) -> None:
+    tmux("send-keys", "-t", SESSION, *names)
 
-    def is_chosen() -> bool:
-        if any(line.startswith(f"▶ {row} ") for line in screen(tmux).splitlines()):
-            return True
-        tmux("send-keys", "-t", SESSION, "Down")
-        return False
 
-    wait_until(is_chosen, row)
+def choose(tmux: OwnTmux, row: str, mark: str = "▶") -> None:
+    """Goes to a row of the page, one by one."""
+
+    def places() -> tuple[int, int] | None:
+        """Lines of the chosen row and of the wanted one."""
+        lines = screen(tmux).splitlines()
+        chosen = [y for y, line in enumerate(lines) if line.startswith(f"{mark} ")]
+        wanted = [y for y, line in enumerate(lines) if line[2:].startswith(f"{row} ")]
+        return (chosen[0], wanted[0]) if chosen and wanted else None
+
+    wait_until(places, row)
+    while (now := places()) is not None and now[0] != now[1]:
+        keys(tmux, "Down" if now[0] < now[1] else "Up")
+        wait_until(lambda now=now: places() != now, "the next row")  # type: ignore[misc]  # bound
 
 
 @needs_tmux
@@ -189,6 +205,43 @@ def test_a_terminal_without_colour_and_without_unicode(robots: Robots, tmp_path:
         coloured = tmux("capture-pane", "-p", "-e", "-t", SESSION)
         assert "\x1b[3" not in coloured.replace("\x1b[39m", "")
         assert screen(tmux).isascii()
+        keys(tmux, "2")
+        choose(tmux, "robot", mark=">")
+        keys(tmux, "Enter")
+        choose(tmux, "speed", mark=">")
+        keys(tmux, "Enter")
+        wait_until(lambda: "speed (double)" in screen(tmux), "the editor")
+        assert screen(tmux).isascii()
+
+
+@needs_tmux
+def test_keys_drive_the_lifecycle_and_edit_a_parameter(robots: Robots, tmp_path: Path) -> None:
+    robots.start(APP)
+    with own_tmux(tmp_path) as tmux:
+        start_view(tmux, 80, 24)
+        wait_until(lambda: "[1 topics]" in screen(tmux), "the view")
+        keys(tmux, "2")
+        choose(tmux, "/arm")
+        wait_until(lambda: "c  configure" in screen(tmux), "the transitions")
+        keys(tmux, "c")
+        wait_until(lambda: "a  activate" in screen(tmux), "the next transitions")
+        keys(tmux, "a")
+        wait_until(lambda: connect("app").lifecycle_state("arm")["state"] == "active", "the state")
+        wait_until(lambda: "/arm is active" in screen(tmux), "the result")
+        choose(tmux, "robot")
+        keys(tmux, "Enter")
+        choose(tmux, "speed")
+        keys(tmux, "Enter")
+        wait_until(lambda: "enter: set" in screen(tmux), "the editor")
+        keys(tmux, "BSpace", "BSpace", "BSpace", "4", "Enter")
+        wait_until(lambda: connect("app").get_parameters("robot")["speed"] == 4.0, "the value")
+        wait_until(lambda: "speed is set" in screen(tmux), "the result")
+        # The program refuses it, and the view says why.
+        wait_until(lambda: "enter: set" not in screen(tmux), "the end of the editor")
+        keys(tmux, "Enter")
+        wait_until(lambda: "enter: set" in screen(tmux), "the editor again")
+        keys(tmux, "x", "Enter")
+        wait_until(lambda: "speed is not set: " in screen(tmux), "the refusal")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs signals of Linux")

@@ -1,4 +1,4 @@
-"""What the view knows of the programs: the sum of all reports."""
+"""All that the view knows of the programs: the sum of all reports."""
 
 from collections import deque
 from collections.abc import Iterable, Sequence

@@ -73,7 +73,11 @@ def _is_inline(value: Mapping[str, Any]) -> bool:
 
 def _leaf(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "  ".join(f"{name}{number(one)}" for name, one in value.items())
+        # There is room for a sign, so that nothing jumps, but not in whole numbers such as dates.
+        texts = {name: number(one) for name, one in value.items()}
+        if all(type(one) is int for one in value.values()):
+            texts = {name: text.strip() for name, text in texts.items()}
+        return "  ".join(f"{name} {text}" for name, text in texts.items())
     if isinstance(value, (bool, str)):
         return str(value)
     if isinstance(value, (int, float)):

@@ -14,7 +14,7 @@ FOXGLOVE_PORT = 8765
 
 @frozen
 class Options:
-    """What to show, and where."""
+    """The chosen view, its subject, and its address."""
 
     view: str
     """`terminal`, `web` or `foxglove`."""

@@ -41,7 +41,7 @@ class NodeRow:
 
 @frozen
 class Survey:
-    """What runs at one moment."""
+    """All programs with their topics and nodes, at one moment."""
 
     processes: Sequence[Process]
     topics: Mapping[TopicKey, Topic]

@@ -22,7 +22,7 @@ class Pace(Enum):
 
 @frozen
 class Gaze:
-    """What the user looks at, so that a source asks for nothing else."""
+    """The topics and nodes that the user looks at, so that a source asks for nothing else."""
 
     topics: frozenset[TopicKey] = frozenset()
     """Topics whose messages are shown."""

@@ -18,7 +18,7 @@ _BAR_S = 0.5
 
 
 class TopicState:
-    """What is known of a topic."""
+    """The known facts about a topic."""
 
     def __init__(self, topic: Topic) -> None:
         """Begin with no messages."""

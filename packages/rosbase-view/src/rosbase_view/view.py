@@ -1,4 +1,4 @@
-"""What the user sees and does: the page, the chosen row, and the lines of each pane. Pure."""
+"""The page, the chosen row, the lines of each pane, and the keys. Pure."""
 
 from collections.abc import Hashable, Sequence
 
@@ -65,7 +65,7 @@ class View:
 
     @property
     def gaze(self) -> Gaze:
-        """What the user looks at."""
+        """Topics and nodes that the user looks at."""
         return self.page.gaze(self.chosen)
 
     def chosen_node(self) -> NodeKey | None:
@@ -208,6 +208,8 @@ class _Cursor:
         """Find the chosen row again; the one in its place if it is gone."""
         if self._is_at_end:
             self._choose(keys, len(keys) - 1)
+        elif self._key is None and (first := self._page.first_choice()) is not None:
+            self._choose(keys, keys.index(first))
         elif not (self._index < len(keys) and keys[self._index] == self._key):
             known = self._key is not None and self._key in keys
             self._choose(keys, keys.index(self._key) if known else self._index)

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import Any
 
-    from rosbase.control.shapes import Endpoint, Topic
+    from rosbase.control.shapes import Topic
 
 __all__ = ["joined_topics"]
 
@@ -38,5 +38,5 @@ def joined_topics(
     return {key: found[key] for key in sorted(found)}
 
 
-def _with_pid(ends: Iterable[Any], pid: int) -> list[Endpoint]:
+def _with_pid(ends: Iterable[Any], pid: int) -> list[Any]:
     return [{**end, "pid": pid} for end in ends]

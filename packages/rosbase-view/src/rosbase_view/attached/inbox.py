@@ -1,4 +1,4 @@
-"""What has come and was not taken yet: bounded, however slow the view is."""
+"""Reports that have come and were not taken yet: bounded, however slow the view is."""
 
 import threading
 from collections import deque

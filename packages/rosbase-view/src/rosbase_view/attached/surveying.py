@@ -42,12 +42,8 @@ def survey(
     all_processes = [found[0] for found in answers.values() if _is_answer(found[0])]
     processes = chosen(all_processes, name)
     own = {process["pid"]: answers[process["pid"]] for process in processes}
-    return Survey(
-        processes,
-        _topics(own, processes),
-        _nodes(own),
-        [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")],
-    )
+    loops: list[Any] = [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")]
+    return Survey(processes, _topics(own, processes), _nodes(own), loops)
 
 
 def _is_answer(answer: object) -> bool:

@@ -34,7 +34,7 @@ class Tag(NamedTuple):
 
 @frozen
 class Question:
-    """What to ask for a stream."""
+    """The request that opens a stream."""
 
     ask: str
     arguments: Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""What pages have in common."""
+"""The common part of all pages."""
 
 from collections.abc import Hashable, Sequence
 from typing import ClassVar
@@ -31,6 +31,10 @@ class BasePage:
     def keys(self) -> Sequence[Hashable]:
         """Return the rows."""
         raise NotImplementedError
+
+    def first_choice(self) -> Hashable | None:
+        """Return the first row."""
+        return next(iter(self.keys()), None)
 
     def cells(self, key: Hashable, pane: Pane) -> Sequence[Cell]:
         """Return the cells of a row."""

@@ -28,7 +28,7 @@ class NodesPage(BasePage):
     """The nodes of all programs."""
 
     title = "nodes"
-    hints = (("c a d u s", "lifecycle"), ("enter", "parameters"))
+    hints: Sequence[tuple[str, str]] = (("c a d u s", "lifecycle"), ("enter", "parameters"))
     detail_rows = 7
     columns = (
         Column("NODE", 24, share=2),

@@ -65,6 +65,10 @@ class Page(Protocol):
         """Return the rows, each by something that stays the same while it is known."""
         ...
 
+    def first_choice(self) -> Hashable | None:
+        """Return the row to begin with; None if there is none."""
+        ...
+
     def head(self, width: int) -> Line:
         """Return the titles of the columns."""
         ...

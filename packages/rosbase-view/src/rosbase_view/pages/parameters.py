@@ -41,7 +41,7 @@ class ParametersPage(BasePage):
     """The parameters of the node that was chosen on the page of nodes."""
 
     title = "parameters"
-    hints = (("enter", "edit"),)
+    hints: Sequence[tuple[str, str]] = (("enter", "edit"),)
     columns = (Column("PARAMETER", 24, share=1), Column("VALUE", 20, share=2), Column("TYPE", 20))
 
     def __init__(

@@ -14,6 +14,7 @@ from rosbase_view.pages.base import BasePage
 from rosbase_view.pages.page import SCROLL_STEP, Edit, Pane
 from rosbase_view.reports import Heard, TopicKey
 from rosbase_view.source import Change, Gaze
+from rosbase_view.topic_state import TopicState
 
 __all__ = ["TopicsPage"]
 
@@ -26,13 +27,15 @@ _COLUMNS = (
     Column("TYPE", 20, share=1),
 )
 _STALE_NS = 1_000_000_000
+# Topics that most programs have, and on which little happens.
+_OWN = {"lifecycle_msgs/msg/TransitionEvent", "diagnostic_msgs/msg/DiagnosticArray"}
 
 
 class TopicsPage(BasePage):
     """The topics of all programs."""
 
     title = "topics"
-    hints = (("enter", "fold"),)
+    hints: Sequence[tuple[str, str]] = (("enter", "fold"),)
     detail_rows = 13
     columns = _COLUMNS
 
@@ -48,6 +51,10 @@ class TopicsPage(BasePage):
     def keys(self) -> Sequence[TopicKey]:
         """Return the topics by name."""
         return list(self.known.topics)
+
+    def first_choice(self) -> Hashable | None:
+        """Return the first Imu, which has a picture; else one that is not about the program."""
+        return min(self.keys(), key=lambda key: _dullness(self.known.topics[key]), default=None)
 
     def row(self, key: Hashable, pane: Pane, *, is_chosen: bool) -> Line:
         """Return a row: the same one as before, if nothing that it shows has changed."""
@@ -134,6 +141,11 @@ class TopicsPage(BasePage):
         if key == "enter":
             self._is_folded = not self._is_folded
         return None
+
+
+def _dullness(topic: TopicState) -> int:
+    types = topic.topic["types"]
+    return 0 if IMU in types else 2 if set(types) & _OWN else 1
 
 
 def _key(key: Hashable) -> TopicKey:

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.driver import Driver
 
 from rosbase import Clock
 from rosbase_view.drawing.glyphs import UNICODE, Glyphs
@@ -32,6 +33,7 @@ class ViewApp(App[None]):
         glyphs: Glyphs = UNICODE,
         *,
         redraw_s: float | None = _REDRAW_S,
+        driver_class: type[Driver] | None = None,
     ) -> None:
         """Show what a source reports.
 
@@ -40,9 +42,10 @@ class ViewApp(App[None]):
             clock: Tells the age of messages.
             glyphs: Characters that the terminal can show.
             redraw_s: Seconds between two redraws; None leaves `step` to the caller.
+            driver_class: Reads and writes the terminal; None takes textual's own.
         """
         # The colours of the terminal, as the user has chosen them; none at all with NO_COLOR.
-        super().__init__(ansi_color=True)
+        super().__init__(driver_class, ansi_color=True)
         self.view = View(Known(), glyphs)
         self._source = source
         self._clock = clock

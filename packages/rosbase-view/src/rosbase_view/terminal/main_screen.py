@@ -20,6 +20,7 @@ __all__ = ["MainScreen"]
 
 # From this width on, the details are beside the list.
 _WIDE = 120
+_BREAKPOINTS = [(0, "-narrow"), (_WIDE, "-wide")]
 _FAR = 1_000_000
 
 
@@ -34,7 +35,7 @@ class MainScreen(Screen[None]):
     MainScreen.-wide #list { width: 3fr; }
     MainScreen.-wide #detail { width: 2fr; }
     """
-    HORIZONTAL_BREAKPOINTS: ClassVar[list[tuple[int, str]]] = [(0, "-narrow"), (_WIDE, "-wide")]
+    HORIZONTAL_BREAKPOINTS = _BREAKPOINTS
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "move(-1)", show=False),
         Binding("down", "move(1)", show=False),

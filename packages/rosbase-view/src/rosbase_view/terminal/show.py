@@ -24,9 +24,11 @@ def check(_: Options) -> None:
 def run(source: Source, _: Options) -> int:
     """Show the source until the user ends the view; return the exit status."""
     # textual takes a tenth of a second to import, which a wrong name need not wait for.
-    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415
+    from rosbase_view.terminal.app import ViewApp  # noqa: PLC0415 - as said
+    from rosbase_view.terminal.on_stdout import StdoutDriver  # noqa: PLC0415 - as said
 
-    app = ViewApp(source, SystemClock(), UNICODE if _is_utf8() else ASCII)
+    glyphs = UNICODE if _is_utf8() else ASCII
+    app = ViewApp(source, SystemClock(), glyphs, driver_class=StdoutDriver)
     app.run()
     return app.return_code or 0
 
