@@ -243,7 +243,7 @@ def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
     count = 20_000
     pid = pid_of(robots.start(BOARDS, "100", "20"))
     with (
-        served("boards") as (_, port),
+        served("boards") as (view, port),
         FoxgloveClient(port) as client,
         FoxgloveClient(port, reads=False) as lazy,
     ):
@@ -253,6 +253,8 @@ def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
         assert late < SOME
         found = numbers(client)
         assert found == list(range(found[0], found[0] + len(found)))
+        view.waits_for("reads too slowly: it loses the oldest messages")
+        assert view.err.count("reads too slowly") == 1
         lazy.read()
         lazy.until(lambda: numbers(lazy)[-1:] > found[-1:], "the newest messages")
         # The oldest that waited have made room.
@@ -306,7 +308,10 @@ def test_a_port_in_use_is_one_line(robots: Robots) -> None:
 def test_a_wrong_name_and_a_wrong_port_are_one_line(app: int) -> None:
     assert "no program ap; did you mean app?" in one_line("--foxglove", "ap")
     assert "there is no port 99999" in one_line("--foxglove", "99999", "app")
-    assert "cannot listen on port 0 of 1.2.3.4" in one_line("--foxglove", "0", "--host", "1.2.3.4")
+    done = run_rosbase("view", "--foxglove", "0", "--host", "1.2.3.4")
+    warning, reason = done.stderr.splitlines()
+    assert "whoever reaches 1.2.3.4 can set parameters" in warning
+    assert "cannot listen on port 0 of 1.2.3.4" in reason
 
 
 def test_a_client_that_sends_rubbish_is_answered_and_the_others_go_on(

@@ -1,5 +1,6 @@
 """The parts of the Foxglove server that need no programs: names, streams, values, transforms."""
 
+import argparse
 import math
 from typing import Any
 
@@ -15,12 +16,11 @@ from rosbase.messages.tf2_msgs import TFMessage
 from rosbase.wire import deserialize, serialize
 from rosbase_view import command
 from rosbase_view.attached.wanted import Tag
-from rosbase_view.foxglove.channels import Listened
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.names import NameTable, candidates
 from rosbase_view.foxglove.transforms import Transforms
 from rosbase_view.foxglove.values import from_parameter, to_parameter
-from rosbase_view.foxglove.wanted import MOST_WAITING, wanted
+from rosbase_view.foxglove.wanted import MOST_WAITING, Listened, wanted
 from rosbase_view.foxglove.worker import Worker
 from support.viewing import IMU_TOPIC, PID, made_topic, survey
 from support.waiting import wait_until
@@ -203,10 +203,8 @@ def test_a_worker_whose_job_fails_tells_so() -> None:
 
 
 def test_a_missing_extra_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    import argparse
-
     monkeypatch.setattr(command, "find_spec", lambda _: None)
     parser = argparse.ArgumentParser()
     command.configure(parser)
-    with pytest.raises(ConfigurationError, match=r"foxglove.*pip install.*\[foxglove\]"):
+    with pytest.raises(ConfigurationError, match=r"--foxglove needs foxglove.*pip install"):
         command.run(parser.parse_args(["--foxglove"]))

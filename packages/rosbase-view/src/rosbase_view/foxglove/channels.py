@@ -1,9 +1,9 @@
 """Topics as channels of the server."""
 
 import threading
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 
-from attrs import define, field, frozen
+from attrs import define, field
 from foxglove import Channel
 
 from rosbase import ControlError
@@ -15,22 +15,13 @@ from rosbase_view.foxglove.names import NameTable, candidates
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.server import Server
 from rosbase_view.foxglove.transforms import TF, TF_TYPE, Transforms
+from rosbase_view.foxglove.wanted import Listened
 from rosbase_view.imu_picture import IMU
 from rosbase_view.reports import Survey, TopicKey
 
-__all__ = ["Channels", "Listened", "programs_of"]
+__all__ = ["Channels", "programs_of"]
 
 _OWN_TRANSFORMS = (TF, "/tf_static")
-
-
-@frozen
-class Listened:
-    """What clients listen to."""
-
-    topics: Mapping[TopicKey, int]
-    """Topics, each with how many clients have begun to listen so far."""
-    turned: frozenset[TopicKey]
-    """Topics of Imus of which transforms are made."""
 
 
 @define

@@ -88,7 +88,8 @@ class ParameterDesk:
 
     def set(self, parameters: Sequence[Parameter]) -> list[Parameter]:
         """Set parameters; return their values, which are the new ones unless it takes long."""
-        self._do(partial(self._write, list(parameters)))
+        if not self._do(partial(self._write, list(parameters))):
+            self._notices.say("parameters", "parameters are set too fast: some are left out")
         return self._parameters([one.name for one in parameters])
 
     def subscribe(self, names: Sequence[str]) -> None:
@@ -101,10 +102,12 @@ class ParameterDesk:
         with self._lock:
             self._subscribed.difference_update(names)
 
-    def _do(self, work: Callable[[], object]) -> None:
+    def _do(self, work: Callable[[], object]) -> bool:
+        """Have something done, and wait a moment; return whether it is or will be done."""
         job = self._worker.add(work)
         if job is not None:
             job.wait(_PATIENCE_S)
+        return job is not None
 
     def _parameters(self, names: Sequence[str]) -> list[Parameter]:
         with self._lock:
@@ -143,6 +146,7 @@ class ParameterDesk:
 
     def _write(self, parameters: Sequence[Parameter]) -> None:
         for parameter in parameters:
+            self._notices.end("parameters")
             about = f"parameter {parameter.name}"
             reason = self._write_one(parameter)
             if reason is None:

@@ -16,10 +16,11 @@ from foxglove.websocket import (
 )
 
 from rosbase import Clock, ConfigurationError, background_thread
-from rosbase_view.foxglove.channels import Channels, Listened
+from rosbase_view.foxglove.channels import Channels
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.server import Server
+from rosbase_view.foxglove.wanted import Listened
 from rosbase_view.reports import Heard, Position, Report, Said, Survey, TopicKey
 from rosbase_view.source import Gaze, Pace, Playback, Source
 

@@ -1,5 +1,6 @@
 """Serve a source to Foxglove, Lichtblick and PlotJuggler until the user ends it."""
 
+import sys
 from pathlib import Path
 from typing import Protocol
 
@@ -7,7 +8,8 @@ from rosbase import SystemClock
 from rosbase_view.foxglove.ending import Ending
 from rosbase_view.foxglove.live_bridge import LiveBridge
 from rosbase_view.foxglove.playback_bridge import PlaybackBridge
-from rosbase_view.options import Options
+from rosbase_view.foxglove.sdk_log import sdk_log
+from rosbase_view.options import LOOPBACK, Options
 from rosbase_view.source import Source
 
 __all__ = ["check", "run"]
@@ -29,7 +31,13 @@ def run(source: Source, options: Options) -> int:
     Raises:
         ConfigurationError: The port is in use, or there is no such address.
     """
-    with Ending() as ending:
+    if options.host != LOOPBACK:
+        print(
+            f"rosbase view: whoever reaches {options.host} can set parameters and call services:"
+            " the protocol knows no password",
+            file=sys.stderr,
+        )
+    with Ending() as ending, sdk_log():
         bridge: _Bridge
         if source.playback is None:
             # A view takes the newest messages of what it shows. Clients want each message, and

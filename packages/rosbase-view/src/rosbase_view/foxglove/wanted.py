@@ -3,17 +3,28 @@
 from collections.abc import Mapping
 from typing import Any
 
+from attrs import frozen
+
 from rosbase.control.buses import buses, observers, on_several
 from rosbase_view.attached.wanted import Question, Tag
-from rosbase_view.foxglove.channels import Listened
-from rosbase_view.reports import Survey
+from rosbase_view.reports import Survey, TopicKey
 
-__all__ = ["MOST_WAITING", "wanted"]
+__all__ = ["MOST_WAITING", "Listened", "wanted"]
 
 MOST_WAITING = 10_000
 """Messages of a topic that wait in the program, if there is room for their bytes."""
 # A drawing that turns needs no more.
 _TRANSFORM_EVERY_NS = 20_000_000
+
+
+@frozen
+class Listened:
+    """What clients listen to."""
+
+    topics: Mapping[TopicKey, int]
+    """Topics, each with how many clients have begun to listen so far."""
+    turned: frozenset[TopicKey]
+    """Topics of Imus of which transforms are made."""
 
 
 def wanted(survey: Survey, listened: Listened) -> dict[Tag, Question]:
