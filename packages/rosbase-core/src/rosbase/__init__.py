@@ -538,7 +538,7 @@ _HOMES = {
     "type_name_of": "rosbase.contracts.graph",
 }
 # Programs import from these, too. Python puts each among the names here once it is imported.
-_PUBLIC_MODULES = {"control", "fsm", "lifecycle", "messages", "testing", "utils"}
+_PUBLIC_MODULES = {"control", "fsm", "lifecycle", "messages", "testing", "utils", "wire"}
 
 
 def __getattr__(name: str) -> Any:

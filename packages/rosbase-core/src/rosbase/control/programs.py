@@ -50,7 +50,7 @@ class RunningNode:
     """A node of a program."""
 
     name: str
-    """Full name, as other programs see it: of a plain node, that of its manager."""
+    """Full name, as other programs see it. A plain node has the name of its manager."""
     key: str
     """Name in `nodes` of the manager; empty for the node of the program itself."""
     class_name: str
