@@ -9,6 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from textual.events import Key
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -18,7 +19,7 @@ from rosbase_view.source import ChangeState, Gaze, SetParameter
 from rosbase_view.terminal.app import ViewApp
 from rosbase_view.terminal.lines_pane import LinesPane
 from rosbase_view.terminal.value_editor import ValueEditor
-from support.viewing import ARM, IMU_TOPIC, PID, MadeClock, MadeSource, reports
+from support.viewing import ARM, IMU_TOPIC, PID, ROBOT, MadeClock, MadeSource, reports
 
 ROOT = Path(__file__).parents[2]
 PICTURES = Path(__file__).parent / "pictures"
@@ -129,6 +130,21 @@ def test_a_key_drives_the_lifecycle() -> None:
     stage.play(play)
 
 
+def test_keys_that_come_together_meet_the_row_that_they_chose() -> None:
+    stage = Stage()
+
+    async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
+        await pilot.press("2")
+        for key in ("down", "up", "a", "down", "s"):
+            event = Key(key, key if len(key) == 1 else None)
+            event.set_sender(app)
+            app.post_message(event)
+        await until(pilot, lambda: app.view.chosen == ROBOT)
+        assert stage.source.changes == [ChangeState(ARM, "activate")]
+
+    stage.play(play)
+
+
 def test_a_parameter_is_edited() -> None:
     stage = Stage()
 
@@ -141,6 +157,22 @@ def test_a_parameter_is_edited() -> None:
         await pilot.press("end", "q", "2", "enter")
         await pilot.pause()
         assert stage.source.changes == [SetParameter(ARM, "speed", "1.5q2")]
+
+    stage.play(play)
+
+
+def test_keys_that_come_together_keep_their_order() -> None:
+    stage = Stage()
+
+    async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
+        await pilot.press("2", "enter", "enter")
+        await pilot.pause()
+        for key in ("left", "backspace", "2", "right", "backspace", "7", "enter"):
+            event = Key(key, key if len(key) == 1 else None)
+            event.set_sender(app)
+            app.post_message(event)
+        await until(pilot, lambda: bool(stage.source.changes))
+        assert stage.source.changes == [SetParameter(ARM, "speed", "127")]
 
     stage.play(play)
 

@@ -1,7 +1,9 @@
 """A dialogue in which the user edits a value."""
 
+from collections.abc import Awaitable
 from typing import ClassVar
 
+from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
@@ -9,6 +11,32 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 __all__ = ["ValueEditor"]
+
+
+class _OrderedInput(Input):
+    """A line that takes its keys in their order.
+
+    textual inserts characters at once, and runs the actions of other keys afterwards. Keys that
+    come together, such as over a slow network, would so change places: a set value would be wrong.
+    """
+
+    async def _on_key(self, event: events.Key) -> None:
+        action = {
+            "backspace": self.action_delete_left,
+            "delete": self.action_delete_right,
+            "left": self.action_cursor_left,
+            "right": self.action_cursor_right,
+            "home": self.action_home,
+            "end": self.action_end,
+            "enter": self.action_submit,
+        }.get(event.key)
+        if action is None:
+            await super()._on_key(event)
+            return
+        event.stop()
+        event.prevent_default()
+        if isinstance(done := action(), Awaitable):
+            await done
 
 
 class ValueEditor(ModalScreen[str | None]):
@@ -35,7 +63,7 @@ class ValueEditor(ModalScreen[str | None]):
         with Vertical():
             # Names come from other programs, and are no markup.
             yield Static(self._heading, markup=False)
-            yield Input(self._text, select_on_focus=False)
+            yield _OrderedInput(self._text, select_on_focus=False)
             yield Static("enter: set   escape: give up", markup=False)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
