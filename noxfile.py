@@ -34,9 +34,11 @@ FEW_FAILURES = 3
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
-EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[web]"}
+EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[foxglove,web]"}
 # Pictures of the view depend on the version.
 PINS = {"rosbase-view": ["textual==8.2.8"]}
+# A client of Foxglove's protocol that is not the SDK's own.
+SOCKETS = "websockets>=15"
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
 # Shows what a command has written to a terminal.
 TERMINAL = "pyte>=0.8"
@@ -141,6 +143,8 @@ def tests(session: nox.Session, distribution: str) -> None:
     # Vectors and buffers of messages may be arrays of numpy, which rosbase itself never imports.
     # Our rotations are compared with those of transforms3d.
     session.install("numpy", "transforms3d>=0.4.2", *TEST_TOOLS)
+    if distribution == "rosbase-view":
+        session.install(SOCKETS)
     _install(session, *names)
     if pins := PINS.get(distribution):
         session.install(*pins)
@@ -229,7 +233,7 @@ def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
     # It checks for the oldest Python, which has no `tomllib`.
     session.install("mypy==2.4.1", "nox", "numpy", "tomli>=2", "types-pyserial")
-    session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
+    session.install(SOCKETS, TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in (

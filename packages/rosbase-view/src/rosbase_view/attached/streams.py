@@ -125,6 +125,9 @@ class Streams:
         for tag, question in wanted.items():
             if tag not in self._questions:
                 self._open(tag, question, poll)
+        for fd, link in list(self._links.items()):
+            if not link.tags:
+                self._drop(fd, poll)
 
     def _open(self, tag: Tag, question: Question, poll: select.poll) -> None:
         try:

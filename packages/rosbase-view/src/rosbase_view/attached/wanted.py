@@ -26,7 +26,7 @@ _ECHOES = {
 class Tag(NamedTuple):
     """Which stream an event belongs to."""
 
-    kind: Literal["counts", "echo", "log"]
+    kind: Literal["counts", "echo", "log", "transform"]
     topic: TopicKey
     """The topic of an echo; for counts, a number for each stream, and the pid of the keys."""
     pid: int
