@@ -34,7 +34,7 @@ FEW_FAILURES = 3
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
-EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[foxglove]"}
+EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[foxglove,web]"}
 # Pictures of the view depend on the version.
 PINS = {"rosbase-view": ["textual==8.2.8"]}
 # A client of Foxglove's protocol that is not the SDK's own.

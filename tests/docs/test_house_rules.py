@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 # kinds of network, and the speed of a UART. A view has a model, drawings, a page for each subject,
 # a source and widgets; a server for other viewers brings each subject to them, and a recording is
 # played.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 67}
+MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 84}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -30,6 +30,7 @@ __all__ = [
     "PID",
     "ROBOT",
     "MadeClock",
+    "MadePlayback",
     "MadeSource",
     "imu",
     "imu_heard",
@@ -60,6 +61,25 @@ class MadeClock(SystemClock):
     def pass_s(self, seconds: float) -> None:
         """Moves it on."""
         self.time_ns += int(seconds * SECOND)
+
+
+class MadePlayback:
+    """Controls of a recording that keep what they are asked."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[object, ...]] = []
+
+    def play(self) -> None:
+        self.calls.append(("play",))
+
+    def pause(self) -> None:
+        self.calls.append(("pause",))
+
+    def seek(self, time_ns: int) -> None:
+        self.calls.append(("seek", time_ns))
+
+    def set_rate(self, rate: float) -> None:
+        self.calls.append(("rate", rate))
 
 
 class MadeSource:

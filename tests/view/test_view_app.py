@@ -19,7 +19,7 @@ from rosbase_view.source import ChangeState, Gaze, SetParameter
 from rosbase_view.terminal.app import ViewApp
 from rosbase_view.terminal.lines_pane import LinesPane
 from rosbase_view.terminal.value_editor import ValueEditor
-from support.viewing import ARM, IMU_TOPIC, PID, MadeClock, MadeSource, reports
+from support.viewing import ARM, IMU_TOPIC, PID, ROBOT, MadeClock, MadeSource, reports
 
 ROOT = Path(__file__).parents[2]
 PICTURES = Path(__file__).parent / "pictures"
@@ -125,6 +125,21 @@ def test_a_key_drives_the_lifecycle() -> None:
 
     async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
         await pilot.press("2", "a")
+        assert stage.source.changes == [ChangeState(ARM, "activate")]
+
+    stage.play(play)
+
+
+def test_keys_that_come_together_meet_the_row_that_they_chose() -> None:
+    stage = Stage()
+
+    async def play(app: ViewApp, pilot: "Pilot[None]") -> None:
+        await pilot.press("2")
+        for key in ("down", "up", "a", "down", "s"):
+            event = Key(key, key if len(key) == 1 else None)
+            event.set_sender(app)
+            app.post_message(event)
+        await until(pilot, lambda: app.view.chosen == ROBOT)
         assert stage.source.changes == [ChangeState(ARM, "activate")]
 
     stage.play(play)

@@ -38,7 +38,7 @@ def test_a_word_behind_an_option_is_a_port_or_a_name(
 ) -> None:
     options = parsed(*words.split())
     assert (options.view, options.name, options.port) == expected
-    assert (options.host, options.token) == ("127.0.0.1", None)
+    assert options.host == "127.0.0.1"
 
 
 @pytest.mark.parametrize(
@@ -50,13 +50,13 @@ def test_a_mistake_is_one_line(words: str, reason: str) -> None:
         parsed(*words.split())
 
 
-@pytest.mark.parametrize("view", ["web", "foxglove"])
-def test_an_extra_that_is_missing_is_named_with_its_command(
-    view: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("view", "package"), [("web", "viser"), ("foxglove", "foxglove-sdk")])
+def test_a_library_that_is_missing_is_named_with_its_command(
+    view: str, package: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(command, "find_spec", lambda _: None)
     parser = argparse.ArgumentParser()
     command.configure(parser)
     arguments = parser.parse_args([f"--{view}"])
-    with pytest.raises(ConfigurationError, match=rf"pip install 'rosbase-view\[{view}\]'"):
+    with pytest.raises(ConfigurationError, match=f"--{view} needs .*: pip install '{package}>="):
         command.run(arguments)

@@ -17,8 +17,12 @@ _VIEWS = {
     "web": "rosbase_view.web.show",
     "foxglove": "rosbase_view.foxglove.show",
 }
-# Modules of the extras, which have the names of the views.
-_NEEDS = {"web": "viser", "foxglove": "foxglove"}
+# Module of each extra, which has the name of the view, and the command that installs it. The
+# command works wherever rosbase-view itself came from.
+_NEEDS = {
+    "web": ("viser", "pip install 'viser>=1.1,<2'"),
+    "foxglove": ("foxglove", "pip install 'foxglove-sdk>=0.30,<0.31'"),
+}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,12 +39,10 @@ def run(arguments: Any) -> int:
         ControlError: No program has that name, or several have.
     """
     options = options_of(arguments, _mistake)
-    needed = _NEEDS.get(options.view)
-    if needed is not None and find_spec(needed) is None:
-        raise ConfigurationError(
-            f"rosbase view --{options.view} needs {needed}:"
-            f" pip install 'rosbase-view[{options.view}]'"
-        )
+    if options.view in _NEEDS:
+        module, command = _NEEDS[options.view]
+        if find_spec(module) is None:
+            raise ConfigurationError(f"rosbase view --{options.view} needs {module}: {command}")
     # The libraries of the views take a tenth of a second and more to import.
     view = import_module(_VIEWS[options.view])
     view.check(options)

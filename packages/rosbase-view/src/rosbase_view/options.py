@@ -24,8 +24,6 @@ class Options:
     """Address to listen on."""
     port: int
     """Port to listen on."""
-    token: str | None
-    """Secret that a browser must know; None leaves the choice to the view."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,12 +55,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help=f"with --web or --foxglove: address to listen on (default: {LOOPBACK})",
     )
-    parser.add_argument(
-        "--token",
-        metavar="TEXT",
-        help="with --web: secret in the address of the page (default: a new one, unless only"
-        " this machine can connect)",
-    )
 
 
 def options_of(arguments: argparse.Namespace, on_mistake: Callable[[str], object]) -> Options:
@@ -77,7 +69,7 @@ def options_of(arguments: argparse.Namespace, on_mistake: Callable[[str], object
     elif arguments.foxglove is not None:
         view, given, default = "foxglove", arguments.foxglove, FOXGLOVE_PORT
     else:
-        return Options("terminal", arguments.name, arguments.host, 0, arguments.token)
+        return Options("terminal", arguments.name, arguments.host, 0)
     name: str | None = arguments.name
     if given and not given.isdecimal():
         # `--web quadruped`: a name is no port.
@@ -87,4 +79,4 @@ def options_of(arguments: argparse.Namespace, on_mistake: Callable[[str], object
     port = int(given) if given else default
     if port > 65_535:
         on_mistake(f"there is no port {port}")
-    return Options(view, name, arguments.host, port, arguments.token)
+    return Options(view, name, arguments.host, port)

@@ -1,11 +1,9 @@
 """The panes of the view, and its keys."""
 
 from collections.abc import Callable
-from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
 from textual.containers import Container
 from textual.screen import Screen
 
@@ -22,6 +20,10 @@ __all__ = ["MainScreen"]
 _WIDE = 120
 _BREAKPOINTS = [(0, "-narrow"), (_WIDE, "-wide")]
 _FAR = 1_000_000
+_ROWS = {"up": -1, "down": 1, "home": -_FAR, "end": _FAR}
+_PANES = {"pageup": -1, "pagedown": 1}
+_SCROLLS = {"left": -SCROLL_STEP, "right": SCROLL_STEP}
+_TURNS = {"tab": 1, "shift+tab": -1}
 
 
 class MainScreen(Screen[None]):
@@ -36,19 +38,6 @@ class MainScreen(Screen[None]):
     MainScreen.-wide #detail { width: 2fr; }
     """
     HORIZONTAL_BREAKPOINTS = _BREAKPOINTS
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "move(-1)", show=False),
-        Binding("down", "move(1)", show=False),
-        Binding("pageup", "move_page(-1)", show=False),
-        Binding("pagedown", "move_page(1)", show=False),
-        Binding("home", f"move({-_FAR})", show=False),
-        Binding("end", f"move({_FAR})", show=False),
-        Binding("left", f"scroll_detail({-SCROLL_STEP})", show=False),
-        Binding("right", f"scroll_detail({SCROLL_STEP})", show=False),
-        Binding("tab", "turn(1)", show=False),
-        Binding("shift+tab", "turn(-1)", show=False),
-        *(Binding(str(n + 1), f"turn_to({n})", show=False) for n in range(6)),
-    ]
 
     def __init__(
         self, view: View, now_ns: Callable[[], int], on_change: Callable[[Change], object]
@@ -81,7 +70,14 @@ class MainScreen(Screen[None]):
             pane.redraw()
 
     def on_key(self, event: events.Key) -> None:
-        """Pass a key to the page."""
+        """Move, or pass a key to the page.
+
+        These are no bindings of textual, which runs them after the keys that come behind them: the
+        key of a transition would then meet the wrong node.
+        """
+        if self._move(event.key):
+            event.stop()
+            return
         done = self._view.press(event.key)
         if done is not None:
             # The editor that is about to open must not take the same key.
@@ -101,32 +97,28 @@ class MainScreen(Screen[None]):
     def on_lines_pane_scrolled(self, message: LinesPane.Scrolled) -> None:
         """Move the cursor, or scroll the details."""
         if message.pane.id == "detail":
-            self.action_scroll_detail(message.rows)
+            self._view.scroll_detail(message.rows)
         else:
-            self.action_move(message.rows)
-
-    def action_move(self, rows: int) -> None:
-        """Choose another row."""
-        self._view.move(rows)
+            self._view.move(message.rows)
         self.redraw()
 
-    def action_move_page(self, pages: int) -> None:
-        """Choose a row that is a whole pane away."""
-        self.action_move(pages * max(1, self.query_one("#list").size.height - 2))
-
-    def action_scroll_detail(self, lines: int) -> None:
-        """Scroll the details."""
-        self._view.scroll_detail(lines)
+    def _move(self, key: str) -> bool:
+        """Choose another row or page, or scroll; return False for another key."""
+        view = self._view
+        if key in _ROWS:
+            view.move(_ROWS[key])
+        elif key in _PANES:
+            view.move(_PANES[key] * max(1, self.query_one("#list").size.height - 2))
+        elif key in _SCROLLS:
+            view.scroll_detail(_SCROLLS[key])
+        elif key in _TURNS:
+            view.turn_to(view.number + _TURNS[key])
+        elif key.isdecimal() and 0 < int(key) <= len(view.pages):
+            view.turn_to(int(key) - 1)
+        else:
+            return False
         self.redraw()
-
-    def action_turn(self, pages: int) -> None:
-        """Show the next page, or the one before."""
-        self.action_turn_to(self._view.number + pages)
-
-    def action_turn_to(self, number: int) -> None:
-        """Show a page."""
-        self._view.turn_to(number)
-        self.redraw()
+        return True
 
     def _share_room(self) -> None:
         """Give the list the rows that it needs, if the details are below it."""
