@@ -36,7 +36,7 @@ ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
 EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[foxglove,web]"}
 # Pictures of the view depend on the version.
-PINS = {"rosbase-view": ["textual==8.2.8"]}
+PINS = {"rosbase-view": ["rich==14.3.4", "textual==8.2.8"]}
 # A client of Foxglove's protocol that is not the SDK's own.
 SOCKETS = "websockets>=15"
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]

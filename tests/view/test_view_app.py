@@ -314,8 +314,8 @@ def test_a_picture_of_each_page(
     assert pictures[0] == before, f"if it should look so, set {UPDATE}=1 and run again"
 
 
-def test_the_pictures_are_made_with_the_textual_that_nox_installs() -> None:
-    pin = re.search(r'"textual==([\d.]+)"', (ROOT / "noxfile.py").read_text())
-    assert pin is not None
+def test_the_pictures_are_made_with_the_versions_that_nox_installs() -> None:
+    noxfile = (ROOT / "noxfile.py").read_text()
+    textual, rich = (re.findall(rf'"{name}==([\d.]+)"', noxfile)[0] for name in ("textual", "rich"))
     for picture in PICTURES.glob("*.svg"):
-        assert f"<!-- textual {pin[1]}," in picture.read_text(), picture.name
+        assert f"<!-- textual {textual}, rich {rich} -->" in picture.read_text(), picture.name

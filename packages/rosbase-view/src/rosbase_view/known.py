@@ -54,11 +54,16 @@ class Known:
 
     def take(self, reports: Iterable[Report], now_ns: int) -> None:
         """Take reports, at a monotonic time."""
+        reports = list(reports)
+        for report in reports:
+            if isinstance(report, Position):
+                self.move(report)
+        time_ns = self.time_ns(now_ns)
         for report in reports:
             if isinstance(report, Counted):
                 if (topic := self.topics.get(report.topic)) is not None:
-                    last_ns = now_ns - int(report.age_s * 1e9)
-                    topic.count(report.count, report.seconds, last_ns, now_ns)
+                    last_ns = time_ns - int(report.age_s * 1e9)
+                    topic.count(report.count, report.seconds, last_ns, time_ns)
             elif isinstance(report, Survey):
                 self._learn(report, now_ns)
             elif isinstance(report, Heard):
@@ -68,10 +73,20 @@ class Known:
                 self.logged += len(report.records)
             elif isinstance(report, NodeReport):
                 self.node_reports[report.node] = report
-            elif isinstance(report, Position):
-                self.position = report
-            else:
+            elif isinstance(report, Said):
                 self._said, self._said_ns = report, now_ns
+
+    def time_ns(self, now_ns: int) -> int:
+        """Return the time of the topics: that of the recording, or the monotonic one."""
+        return now_ns if self.position is None else self.position.now_ns
+
+    def move(self, position: Position) -> None:
+        """Take the position of a recording."""
+        if self.position is not None and position.now_ns < self.position.now_ns:
+            # What was counted is of a time that is yet to come.
+            for topic in self.topics.values():
+                topic.restart()
+        self.position = position
 
     def forget_unseen(self, gaze: Gaze) -> None:
         """Forget the messages of topics that nobody looks at, because they would grow old."""

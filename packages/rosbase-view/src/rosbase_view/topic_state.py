@@ -30,6 +30,12 @@ class TopicState:
         self._points: deque[tuple[int, int]] = deque()
         self._bar_count, self._bar_s = 0, 0.0
 
+    def restart(self) -> None:
+        """Forget all messages."""
+        self.total, self.sparkline = 0, Sparkline()
+        self._points.clear()
+        self._bar_count, self._bar_s = 0, 0.0
+
     def learn(self, topic: Topic) -> None:
         """Take what a survey has found of the topic."""
         self.topic = topic

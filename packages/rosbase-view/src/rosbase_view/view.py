@@ -16,7 +16,9 @@ from rosbase_view.pages.parameters import ParametersPage
 from rosbase_view.pages.programs import ProgramsPage
 from rosbase_view.pages.topics import TopicsPage
 from rosbase_view.reports import NodeKey
-from rosbase_view.source import Change, Gaze
+from rosbase_view.source import Change, Gaze, Playback
+from rosbase_view.timeline import HINTS, draw_timeline
+from rosbase_view.timeline import press as press_timeline
 
 __all__ = ["PaneSize", "View"]
 
@@ -108,6 +110,15 @@ class View:
         needed = len(self.page.keys()) + 1
         return max(min(needed, room - self.page.detail_rows), min(needed, room // 3), 2)
 
+    def press_playback(self, key: str, playback: Playback) -> bool:
+        """Take a key for the recording; return whether it was one."""
+        position = self.known.position
+        moved = None if position is None else press_timeline(key, position, playback)
+        if moved is not None:
+            # The next key may come before the source reports it.
+            self.known.move(moved)
+        return moved is not None
+
     def draw_heading(self, width: int) -> list[Line]:
         """Return the line with the names of the pages; that of the page shown is in brackets."""
         parts: list[Span | str] = []
@@ -118,7 +129,9 @@ class View:
                 Span(f"[{name}]" if shown else f" {name} ", Ink.TITLE if shown else Ink.DIM)
             )
         names = line(*parts)
-        found = f"{counted(len(self.known.processes), 'program')} "
+        known = self.known
+        found = counted(len(known.processes), "program") if known.position is None else "recording"
+        found += " "
         gap = width - cells(plain(names)) - len(found)
         return [joined((names, blank(gap), line(Span(found, Ink.DIM)))) if gap > 0 else names]
 
@@ -143,6 +156,11 @@ class View:
         lines += [()] * (size.height - len(lines))
         return [joined((line(Span(bar, Ink.DIM)), one)) for one in lines]
 
+    def draw_time(self, width: int) -> list[Line]:
+        """Return the line of a recording; none of what runs."""
+        position = self.known.position
+        return [] if position is None else [draw_timeline(position, width, self.glyphs)]
+
     def draw_status(self, width: int, now_ns: int) -> list[Line]:
         """Return what the user should read now, or the keys."""
         said = self.known.said(now_ns)
@@ -150,13 +168,16 @@ class View:
             ink = Ink.BAD if said.is_error else Ink.GOOD
             return [line(Span(clipped(said.text, width), ink))]
         parts: list[Span | str] = []
-        for key, action in (*_KEYS, *self.page.hints):
+        playback = () if self.known.position is None else HINTS
+        for key, action in (*_KEYS, *self.page.hints, *playback):
             parts += [Span(f" {key} ", Ink.TITLE), f"{action} "]
         return [line(*parts)]
 
     def _why_empty(self) -> str:
         if not self.known.has_survey:
             return "looking for programs"
+        if self.known.position is not None:
+            return "not in a recording"
         return f"no {self.page.title}" if self.known.processes else "no program runs"
 
 

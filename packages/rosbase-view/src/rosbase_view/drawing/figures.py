@@ -2,7 +2,7 @@
 
 import math
 
-__all__ = ["age", "counted", "duration", "number", "rate", "size", "times"]
+__all__ = ["age", "counted", "duration", "number", "playing_time", "rate", "size", "times"]
 
 _NS = 1_000_000_000
 
@@ -56,6 +56,13 @@ def duration(time_ns: int) -> str:
     if hours:
         return f"{hours:02d}:{minutes:02d}:{seconds:02d}"
     return f"{minutes}:{seconds:02d}" if minutes else f"{seconds} s"
+
+
+def playing_time(time_ns: int) -> str:
+    """Return a time in a recording, such as `0:05` or `1:02:03`."""
+    minutes, seconds = divmod(max(0, time_ns) // _NS, 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
 def size(count: int | None) -> str:

@@ -72,12 +72,13 @@ class TopicsPage(BasePage):
     def cells(self, key: Hashable, pane: Pane) -> Sequence[Cell]:
         """Return the cells of a row."""
         topic = self.known.topics[_key(key)]
-        age_ns = topic.age_ns(pane.now_ns)
+        now_ns = self.known.time_ns(pane.now_ns)
+        age_ns = topic.age_ns(now_ns)
         is_stale = age_ns is None or age_ns > _STALE_NS
         ink, drawn = (Ink.DIM, Ink.DIM) if is_stale else (Ink.PLAIN, Ink.DRAWING)
         return (
             Cell(_key(key)[0]),
-            Cell(rate(topic.rate_hz(pane.now_ns)), ink),
+            Cell(rate(topic.rate_hz(now_ns)), ink),
             Cell(age(age_ns), ink),
             Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), drawn),
             Cell(", ".join(topic.topic["types"]), Ink.DIM),
@@ -95,6 +96,8 @@ class TopicsPage(BasePage):
             line(
                 f"{counted(len(ends['publishers']), 'publisher')},"
                 f" {counted(len(ends['subscriptions']), 'subscription')}{lost}"
+                if self.known.position is None
+                else ", ".join(ends["types"])
             ),
         ]
         if heard is None:

@@ -54,12 +54,15 @@ class ViewApp(App[None]):
 
     def get_default_screen(self) -> MainScreen:
         """Return the only screen; textual calls it."""
-        self._main = MainScreen(self.view, self._clock.monotonic_ns, self._change)
+        playback = self._source.playback
+        self._main = MainScreen(self.view, self._clock.monotonic_ns, self._change, playback)
         return self._main
 
     def on_mount(self) -> None:
         """Begin to look."""
         self._source.start()
+        if self._source.playback is not None:
+            self._source.playback.play()
         if self._redraw_s is not None:
             self.set_interval(self._redraw_s, self.step)
 

@@ -9,7 +9,7 @@ from textual.screen import Screen
 
 from rosbase_view.drawing.lines import Line
 from rosbase_view.pages.page import SCROLL_STEP, Edit
-from rosbase_view.source import Change
+from rosbase_view.source import Change, Playback
 from rosbase_view.terminal.lines_pane import LinesPane
 from rosbase_view.terminal.value_editor import ValueEditor
 from rosbase_view.view import PaneSize, View
@@ -30,7 +30,7 @@ class MainScreen(Screen[None]):
     """Heading, list, details and status."""
 
     DEFAULT_CSS = """
-    #heading, #status { height: 1; }
+    #heading, #status, #time { height: 1; }
     #panes { layout: vertical; height: 1fr; }
     #list, #detail { height: 1fr; width: 1fr; }
     MainScreen.-wide #panes { layout: horizontal; }
@@ -40,7 +40,11 @@ class MainScreen(Screen[None]):
     HORIZONTAL_BREAKPOINTS = _BREAKPOINTS
 
     def __init__(
-        self, view: View, now_ns: Callable[[], int], on_change: Callable[[Change], object]
+        self,
+        view: View,
+        now_ns: Callable[[], int],
+        on_change: Callable[[Change], object],
+        playback: Playback | None,
     ) -> None:
         """Show a view.
 
@@ -48,11 +52,13 @@ class MainScreen(Screen[None]):
             view: What is shown.
             now_ns: Returns the monotonic time.
             on_change: Takes the changes that the user asks for.
+            playback: Moves a recording; None if programs are shown.
         """
         super().__init__()
         self._view = view
         self._now_ns = now_ns
         self._on_change = on_change
+        self._playback = playback
         self._list_height: int | str = "1fr"
 
     def compose(self) -> ComposeResult:
@@ -61,6 +67,8 @@ class MainScreen(Screen[None]):
         with Container(id="panes"):
             yield LinesPane(self._draw_list, id="list")
             yield LinesPane(self._draw_detail, id="detail")
+        if self._playback is not None:
+            yield LinesPane(lambda width, _: self._view.draw_time(width), id="time")
         yield LinesPane(lambda width, _: self._view.draw_status(width, self._now_ns()), id="status")
 
     def redraw(self) -> None:
@@ -75,7 +83,7 @@ class MainScreen(Screen[None]):
         These are no bindings of textual, which runs them after the keys that come behind them: the
         key of a transition would then meet the wrong node.
         """
-        if self._move(event.key):
+        if self._move(event.key) or self._play(event.key):
             event.stop()
             return
         done = self._view.press(event.key)
@@ -119,6 +127,10 @@ class MainScreen(Screen[None]):
             return False
         self.redraw()
         return True
+
+    def _play(self, key: str) -> bool:
+        """Move the recording; return False for another key."""
+        return self._playback is not None and self._view.press_playback(key, self._playback)
 
     def _share_room(self) -> None:
         """Give the list the rows that it needs, if the details are below it."""
