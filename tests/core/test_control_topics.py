@@ -34,6 +34,7 @@ from rosbase.wire import deserialize, schema, serialize, type_hash
 from rosbase.wire.plain import decoder, encoder
 from support.control import Asker, ask_while_running, connected, own_socket
 from support.program import running
+from support.services import Double
 from support.waiting import wait_until
 
 LATCHED = QoSProfile(2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -46,18 +47,6 @@ class Grip:
     finger: UInt8 = 1
 
 
-class Doubled:
-    """A service of classes of Python."""
-
-    @frozen
-    class Request:
-        number: int = 0
-
-    @frozen
-    class Response:
-        number: int = 0
-
-
 class Robot(BaseNode):
     def __init__(self, manager: Any = None, **kwargs: Any) -> None:
         super().__init__(manager, **kwargs)
@@ -67,7 +56,7 @@ class Robot(BaseNode):
         self.create_subscription(String, "words", self.heard.append, 3)
         self.create_subscription(Imu, "imu/data", self.heard.append, 3)
         self.create_service(SetBool, "switch", self.switch)
-        self.create_service(Doubled, "double", lambda request: Doubled.Response(2))
+        self.create_service(Double, "double", lambda request: Double.Response(2))
         self.create_client(Trigger, "elsewhere")
 
     def switch(self, request: Any) -> Any:

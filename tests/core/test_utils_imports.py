@@ -49,6 +49,6 @@ def test_a_name_is_imported_when_it_is_first_used() -> None:
 
 def test_a_name_that_does_not_exist_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="warp3pi"):
-        rosbase.utils.warp3pi  # noqa: B018 - the import is the test
+        rosbase.utils.warp3pi  # type: ignore[attr-defined]  # noqa: B018 - the import is the test
     for name in rosbase.utils.__all__:
         assert getattr(rosbase.utils, name).__name__ == name

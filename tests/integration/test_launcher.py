@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+import yaml
 from hypothesis import given
 
 from rosbase.control import connect
@@ -28,7 +29,6 @@ from support.strategies import launcher_data
 from support.terminal import on_terminal
 from support.waiting import wait_until
 
-yaml = pytest.importorskip("yaml")
 needs_tmux = pytest.mark.skipif(not has_tmux(), reason="tmux is not installed")
 
 SESSIONS = """\

@@ -78,7 +78,6 @@ def test_a_file_says_the_same_in_quotes_and_a_choice_without(tmp_path: Path) -> 
 
 
 def test_a_parameter_file_of_ros_is_read_for_the_node_of_the_reader(tmp_path: Path) -> None:
-    pytest.importorskip("yaml")
     file = tmp_path / "imu.yaml"
     file.write_text(
         "/**:\n  ros__parameters: {frame_id: every, plausibility: off}\n"

@@ -1,5 +1,6 @@
 """Commands on programs of the backend `ros2`, beside the same questions asked with rclpy."""
 
+import os
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -124,6 +125,24 @@ def test_what_dump_prints_is_what_load_and_programs_take(robots: Robots, tmp_pat
     assert again.stdout is not None
     assert again.stdout.readline() == "ready\n"
     assert run("param", "get", "app", "robot.names") == "String values are: ['x', 'on', '1']\n"
+
+
+def test_programs_of_two_domains_are_not_mixed(robots: Robots) -> None:
+    domain = os.environ["ROS_DOMAIN_ID"]
+    # A user's domain is from 0 to 101 on every system.
+    other = str((int(domain) + 1) % 102)
+    programs = {
+        number: robots.start(APP, env={**ROS, "ROS_DOMAIN_ID": number}, options=OPTIONS)
+        for number in sorted((domain, other))
+    }
+    refusal = run("topic", "echo", "/position", "--once", status=1)
+    names = ", ".join(f"app [{pid_of(program)}]" for program in programs.values())
+    assert f"/position is in 2 programs: {names}" in refusal
+    for program in programs.values():
+        chosen = ("--program", str(pid_of(program)))
+        assert "x: " in run("topic", "echo", "/position", "--once", *chosen)
+    shown = run("topic", "info", "/position")
+    assert f"The programs are in different ROS domains: {', '.join(programs)}. Give" in shown
 
 
 def test_every_transition_is_the_same_from_either_side(robots: Robots, outside: Client) -> None:

@@ -18,10 +18,12 @@ __all__ = ["Bus", "buses", "observers", "on_several", "with_children"]
 class Bus:
     """Processes that share their topics."""
 
-    __slots__ = ("backend", "pids")
+    __slots__ = ("backend", "network", "pids")
 
-    def __init__(self, backend: str, pids: Iterable[int]) -> None:
+    def __init__(self, backend: str, network: str, pids: Iterable[int]) -> None:
         self.backend = backend
+        self.network = network
+        """What the backend calls its network, for `ros2` the domain; empty if it has none."""
         self.pids = frozenset(pids)
 
 
@@ -45,7 +47,7 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
         network = joined[0].get("network", "") if joined else ""
         root = _root(pid, parent) if backend == "local" else 0
         groups.setdefault((backend, network, root), set()).add(pid)
-    return [Bus(backend, pids) for (backend, _, _), pids in sorted(groups.items())]
+    return [Bus(backend, network, pids) for (backend, network, _), pids in sorted(groups.items())]
 
 
 def with_children(process: Process, processes: Iterable[Process]) -> list[Process]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from rosbase.control.claim import Claim
 from rosbase.control.programs import Program
 from rosbase.control.requests import Later, Request
 from rosbase.errors import ControlError
@@ -43,12 +44,11 @@ class _Call:
         self._request = request
         self._program = program
         self._function = function
-        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
-        self._untaken = [True]
+        self._claim = Claim()
 
     def run(self) -> None:
         """Make the call. Called by the main loop."""
-        if not self._take():
+        if not self._claim.take():
             return
         try:
             answer = self._function()
@@ -66,13 +66,6 @@ class _Call:
     def give_up(self) -> str:
         """Say why there is no result; the call is not made any more, unless it has begun."""
         name = self._program.name
-        if self._take():
+        if self._claim.take():
             return f"the main loop of {name} is busy: nothing was changed"
         return f"the main loop of {name} has begun with it, and is not done"
-
-    def _take(self) -> bool:
-        try:
-            self._untaken.pop()
-        except IndexError:
-            return False
-        return True

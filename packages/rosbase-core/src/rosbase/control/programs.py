@@ -15,6 +15,7 @@ from attrs import frozen
 
 from rosbase.contracts.backend import Backend
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.contracts.recording import Recording
 from rosbase.control.recent_log import recent_log
 from rosbase.errors import ConfigurationError, ControlError
 from rosbase.lifecycle import ManagedNode
@@ -50,7 +51,7 @@ class RunningNode:
     """A node of a program."""
 
     name: str
-    """Full name, as other programs see it: of a plain node, that of its manager."""
+    """Full name, as other programs see it. A plain node has the name of its manager."""
     key: str
     """Name in `nodes` of the manager; empty for the node of the program itself."""
     class_name: str
@@ -77,6 +78,11 @@ class Program:
     """Its log; set by `offered`."""
     started_ns = 0
     """Start of its run on the machine's monotonic clock; set by `offered`."""
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that it makes of itself, if it does."""
+        return None
 
     @property
     def name(self) -> str:

@@ -3,11 +3,11 @@
 import select
 import selectors
 import socket
-from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rosbase.control.frames import MOST_PAYLOAD, MOST_REQUEST, FrameReader, encode_line
+from rosbase.control.outbox import Outbox
 from rosbase.control.requests import Later, Request, error_frame
 from rosbase.control.streams import Stream
 from rosbase.errors import ControlError
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["Session"]
 
 _CHUNK = 65_536
-# A program may have given SIGPIPE back its default, which ends the process.
-_NO_SIGNAL = getattr(socket, "MSG_NOSIGNAL", 0)
 # In one turn of the thread, so that no client keeps it, or Python's lock, from others for long.
 _MOST_REQUESTS = 16
 _MOST_EVENTS = 64
@@ -50,8 +48,7 @@ class Session:
         self._reader = FrameReader(MOST_REQUEST)
         # Bytes that were fed may have more frames than one turn takes.
         self._has_frames = False
-        self._out: deque[bytes | memoryview] = deque()
-        self._out_bytes = 0
+        self._out = Outbox()
         self._open: dict[int, Request] = {}
         self._streams: dict[int, Stream] = {}
         self._closers: list[Callable[[], object]] = []
@@ -113,7 +110,7 @@ class Session:
     @property
     def is_idle(self) -> bool:
         """Whether the client waits for nothing, and has nothing here that it could miss."""
-        is_busy = self._open or self._streams or self._out or self._has_frames
+        is_busy = self._open or self._streams or self._out.size or self._has_frames
         return not (is_busy or self._closers or self.held)
 
     @property
@@ -123,18 +120,18 @@ class Session:
 
     @property
     def _may_handle(self) -> bool:
-        return self._out_bytes < _MOST_WAITING and not self._is_ending
+        return self._out.size < _MOST_WAITING and not self._is_ending
 
     @property
     def has_room(self) -> bool:
         """Whether streams may send: the client reads."""
-        return self._out_bytes < _ROOM
+        return self._out.size < _ROOM
 
     @property
     def is_over(self) -> bool:
         """Whether the connection is to be closed."""
         has_answered = self._has_read_all and not (self._open or self._streams or self._has_frames)
-        return (self._is_ending or has_answered) and not self._out
+        return (self._is_ending or has_answered) and not self._out.size
 
     @property
     def due_ns(self) -> int | None:
@@ -149,7 +146,7 @@ class Session:
     def watch(self, selector: selectors.BaseSelector) -> None:
         """Have the selector tell of what the session needs next."""
         reads = selectors.EVENT_READ if self.wants_to_read else 0
-        self._watch(selector, reads | (selectors.EVENT_WRITE if self._out_bytes else 0))
+        self._watch(selector, reads | (selectors.EVENT_WRITE if self._out.size else 0))
 
     def unwatch(self, selector: selectors.BaseSelector) -> None:
         """Have the selector tell of nothing any more."""
@@ -225,10 +222,10 @@ class Session:
         """Send what streams have, as far as the client reads; return whether there may be more."""
         has_more = False
         for number, stream in list(self._streams.items()):
-            before = self._out_bytes
+            before = self._out.size
             if self._pump(number, stream):
                 has_more = True
-                if self._out_bytes > before:
+                if self._out.size > before:
                     # It has had its turn; the next one begins with the others.
                     self._streams[number] = self._streams.pop(number)
         return has_more
@@ -245,20 +242,10 @@ class Session:
 
     def flush(self) -> None:
         """Send as much as the client takes now."""
-        while self._out:
-            chunk = self._out[0] if len(self._out) == 1 else self._join()
-            try:
-                sent = self._connection.send(chunk, _NO_SIGNAL)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError:
-                self._give_up()
-                return
-            self._out_bytes -= sent
-            if sent == len(chunk):
-                self._out.popleft()
-            else:
-                self._out[0] = memoryview(chunk)[sent:]
+        try:
+            self._out.send(self._connection)
+        except OSError:
+            self._give_up()
 
     def end_all(self, reason: str) -> None:
         """Tell the client that the process ends, as far as it reads."""
@@ -277,7 +264,6 @@ class Session:
             self._close_stream(number)
         self._open.clear()
         self._out.clear()
-        self._out_bytes = 0
         for closer in self._closers:
             self._server.guard(closer, "the end of a connection")
         self._connection.close()
@@ -295,7 +281,6 @@ class Session:
     def _give_up(self) -> None:
         """End the connection; nobody is there to read what still waits."""
         self._out.clear()
-        self._out_bytes = 0
         self._is_ending = True
 
     # How a frame is handled.
@@ -404,36 +389,17 @@ class Session:
         except ControlError as error:
             fault = ControlError(f"the answer cannot be sent: {error}")
             line, data = encode_line({"id": frame.get("id"), **error_frame(fault)}), b""
-        self._put(line)
-        if data:
-            self._put(data)
+        self._put(line, data)
 
     def _send_event(self, number: int, event: dict[str, Any] | str, data: bytes) -> None:
         if isinstance(event, str) and len(data) <= MOST_PAYLOAD:
             size = f',"bytes":{len(data)}' if data else ""
             line = f'{{"id":{number},"event":{event}{size}}}\n'.encode("ascii")
-            # Joining costs less than two pieces do, as long as there is little to copy.
-            if len(data) < _CHUNK:
-                self._put(line + data)
-            else:
-                self._put(line)
-                self._put(data)
+            self._put(line, data)
         else:
             self._send({"id": number, "event": event}, data)
 
-    def _put(self, data: bytes) -> None:
-        self._out.append(data)
-        self._out_bytes += len(data)
-        if self._out_bytes > _MOST_OUT:
+    def _put(self, line: bytes, data: bytes = b"") -> None:
+        self._out.put_frame(line, data)
+        if self._out.size > _MOST_OUT:
             self._give_up()
-
-    def _join(self) -> bytes | memoryview:
-        """Join the first pieces, so that many small ones are sent at once."""
-        if len(self._out[0]) < _CHUNK:
-            pieces: list[bytes | memoryview] = []
-            size = 0
-            while self._out and size < _CHUNK:
-                pieces.append(self._out.popleft())
-                size += len(pieces[-1])
-            self._out.appendleft(b"".join(pieces))
-        return self._out[0]

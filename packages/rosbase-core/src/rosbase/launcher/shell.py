@@ -54,7 +54,7 @@ def preparation(ros_setup: Path | None, conda_env: str) -> str:
 
 
 def script(session: Session, program: Program) -> str:
-    """Return the script that runs a program; its status is that of the last command."""
+    """Return the script that runs a program and ends with the status of its last command."""
     prepared = preparation(session.ros_setup, session.conda_env)
     lines: Iterable[str] = [
         # As the check does, and wherever the shell begins: in the folder of the user, or of a pane.

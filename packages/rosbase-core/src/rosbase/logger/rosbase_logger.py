@@ -287,8 +287,8 @@ class RosbaseLogger:
         self._default_level = logging.INFO if listener is None else listener.level
 
     def _hand_on(self, record: logging.LogRecord) -> None:
-        """Pass a record to observers and log files, and a copy with all text to the listener."""
-        for observer in observers:
+        """Pass a record to observers and log files, and its whole text to the listener."""
+        for observer in observers.copy():
             observer(record)
         files = self._file, current_log_file()
         for file in files[files[0] is files[1] :]:

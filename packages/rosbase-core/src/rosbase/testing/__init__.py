@@ -5,8 +5,9 @@ does not. So each name is imported when it is first used. The strategies for hyp
 `rosbase.testing.strategies`.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rosbase.messages.lazy import names_of, on_demand
 
 if TYPE_CHECKING:
     from rosbase.testing.backend import virtual_backend
@@ -24,6 +25,29 @@ if TYPE_CHECKING:
     from rosbase.testing.scripted_transport import ScriptedTransport
     from rosbase.testing.transport_contract import TransportContract
     from rosbase.testing.transport_kit.capabilities import FullPeer, TransportCapabilities
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "BackendCapabilities": "backend_contract",
+            "BackendContract": "backend_contract",
+            "BrokenPromiseError": "promise",
+            "Faults": "faults",
+            "FramerContract": "framer_contract",
+            "FullPeer": "transport_kit.capabilities",
+            "ManualClock": "clock",
+            "Promise": "promise",
+            "Received": "recording",
+            "RecordedLog": "recorded_log",
+            "RecordingSubscriber": "recording",
+            "ScriptedTransport": "scripted_transport",
+            "ServiceKind": "backend_contract",
+            "TransportCapabilities": "transport_kit.capabilities",
+            "TransportContract": "transport_contract",
+            "virtual_backend": "backend",
+        },
+        __name__,
+    )
 
 __all__ = [
     "BackendCapabilities",
@@ -44,30 +68,4 @@ __all__ = [
     "virtual_backend",
 ]
 
-_HOMES = {
-    "BackendCapabilities": "backend_contract",
-    "BackendContract": "backend_contract",
-    "BrokenPromiseError": "promise",
-    "Faults": "faults",
-    "FramerContract": "framer_contract",
-    "FullPeer": "transport_kit.capabilities",
-    "ManualClock": "clock",
-    "Promise": "promise",
-    "Received": "recording",
-    "RecordedLog": "recorded_log",
-    "RecordingSubscriber": "recording",
-    "ScriptedTransport": "scripted_transport",
-    "ServiceKind": "backend_contract",
-    "TransportCapabilities": "transport_kit.capabilities",
-    "TransportContract": "transport_contract",
-    "virtual_backend": "backend",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import each name when it is first used."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
+__dir__ = names_of(__all__)

@@ -4,8 +4,9 @@ Each name is imported when it is first used. None of them needs numpy; those tha
 arrays back if they get arrays.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rosbase.messages.lazy import names_of, on_demand
 
 if TYPE_CHECKING:
     from rosbase.utils.angles import warp2pi
@@ -16,6 +17,24 @@ if TYPE_CHECKING:
     from rosbase.utils.latency import profile_latency
     from rosbase.utils.low_pass import VectorLPFilter
     from rosbase.utils.rotations import quat_rotate_inverse, quat_to_rpy, rpy_to_quat
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "CircularBuffer": "circular_buffer",
+            "CustomLogger": "custom_logger",
+            "VectorLPFilter": "low_pass",
+            "add_debug_mode": "debugging",
+            "profile_latency": "latency",
+            "quat_rotate_inverse": "rotations",
+            "quat_to_rpy": "rotations",
+            "rpy_to_quat": "rotations",
+            "trans_opt_to_ros_frame": "frames",
+            "trans_ros_frame_to_opt_frame": "frames",
+            "warp2pi": "angles",
+        },
+        __name__,
+    )
 
 __all__ = [
     "CircularBuffer",
@@ -31,30 +50,4 @@ __all__ = [
     "warp2pi",
 ]
 
-_HOMES = {
-    "CircularBuffer": "circular_buffer",
-    "CustomLogger": "custom_logger",
-    "VectorLPFilter": "low_pass",
-    "add_debug_mode": "debugging",
-    "profile_latency": "latency",
-    "quat_rotate_inverse": "rotations",
-    "quat_to_rpy": "rotations",
-    "rpy_to_quat": "rotations",
-    "trans_opt_to_ros_frame": "frames",
-    "trans_ros_frame_to_opt_frame": "frames",
-    "warp2pi": "angles",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import each name on first use."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return sorted(__all__)
+__dir__ = names_of(__all__)

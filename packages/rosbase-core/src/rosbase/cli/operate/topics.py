@@ -67,7 +67,7 @@ def _warn_of_several(questions: TopicQuestions, topics: list[Topic]) -> None:
 
 
 def show_info(given: Any) -> None:
-    """Print the type of a topic and the number of its ends, then those of each program."""
+    """Print the type of a topic and its numbers of ends, in all and in each program."""
     questions = TopicQuestions(given.program)
     topic = questions.topic(given.topic)
     types = topic["types"]
@@ -110,7 +110,14 @@ def _show_gap(topic: Topic, found: list[Bus], processes: list[Process]) -> None:
         if bus.pids & hearing and others:
             names = ", ".join(_bus_name(other, processes) for other in others)
             print(f"Not connected: {_bus_name(bus, processes)} does not hear {names}")
-    print(
+    print(_how_to_join(found))
+
+
+def _how_to_join(apart: list[Bus]) -> str:
+    if all(bus.backend == "ros2" for bus in apart):
+        domains = ", ".join(bus.network for bus in apart)
+        return f"The programs are in different ROS domains: {domains}. Give them one ROS_DOMAIN_ID."
+    return (
         "The backend local joins the nodes of one program. To join programs, run each of them "
         "with ROSBASE_BACKEND=ros2."
     )

@@ -15,6 +15,7 @@ from rosbase.control.answers.ends import (
     program_for,
     type_class,
 )
+from rosbase.control.claim import Claim
 from rosbase.control.programs import Program
 from rosbase.control.requests import DEFAULT_TIMEOUT_NS, Answerer, Later, Request
 from rosbase.control.session import Session
@@ -112,12 +113,11 @@ class _ServiceCall:
         self._kind = kind
         self._encode = encode
         self._begin_ns = 0
-        # Whoever takes the entry may go on; to pop is one step, whatever other threads do.
-        self._untaken = [True]
+        self._claim = Claim()
 
     def begin(self, question: Any, timeout_ns: int) -> None:
         """Send the request. Called by the main loop."""
-        if not self._take():
+        if not self._claim.take():
             return
         self._begin_ns = _CLOCK.monotonic_ns()
         try:
@@ -134,7 +134,7 @@ class _ServiceCall:
 
     def give_up(self, program: Program) -> str:
         """Say why there is no answer."""
-        if self._take():
+        if self._claim.take():
             return f"the main loop of {program.name} is busy: {self._name} was not called"
         return f"{self._name} has not answered, and the main loop of {program.name} is busy"
 
@@ -150,13 +150,6 @@ class _ServiceCall:
         else:
             took_ns = _CLOCK.monotonic_ns() - self._begin_ns
             self._request.answer({"took_ns": took_ns}, data)
-
-    def _take(self) -> bool:
-        try:
-            self._untaken.pop()
-        except IndexError:
-            return False
-        return True
 
 
 ANSWERS: dict[str, Answerer] = {

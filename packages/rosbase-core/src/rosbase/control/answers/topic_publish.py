@@ -83,7 +83,7 @@ def _keep(session: Session, key: Any, made: _ClientPublisher) -> None:
 
 
 def _target(program: str, name: str, wanted: str) -> tuple[Program, Backend, str, Any]:
-    """Return where to publish, and the type: that of the topic if it is there."""
+    """Return where to publish, and the type: the type of the topic, if the topic exists."""
     if program:
         chosen, backend = program_for(program)
         if not wanted:

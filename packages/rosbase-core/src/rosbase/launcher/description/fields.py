@@ -14,7 +14,7 @@ __all__ = ["Fields"]
 
 
 class Fields:
-    """The fields of one mapping. What is missing or wrong is noted, and has a default."""
+    """The fields of one mapping. A missing or wrong field is noted, and gets its default."""
 
     def __init__(self, value: Value, what: str, known: Sequence[str], faults: Faults) -> None:
         """Note the keys that nobody knows.
@@ -48,11 +48,11 @@ class Fields:
         return self._values[key] if key in self else None
 
     def line_of(self, key: str) -> int:
-        """Return the line of a field, or else that of the mapping."""
+        """Return the line of a field, or else the line of the mapping."""
         return self._values[key].line if key in self._values else self.line
 
     def lines(self) -> dict[str, int]:
-        """Return the line of each field, and that of the mapping under the empty name."""
+        """Return the line of each field. The empty name has the line of the mapping."""
         return {"": self.line, **{key: value.line for key, value in self._values.items()}}
 
     def fault(self, key: str, text: str) -> None:

@@ -58,7 +58,7 @@ class Program:
     key: str = ""
     """Its name, or `session/name` if another session has a program of that name."""
     lines: Mapping[str, int] = field(factory=dict, eq=False, repr=False)
-    """Lines of its keys in the file; that of the program itself under the empty name."""
+    """Lines of its keys in the file. The empty name has the line of the program."""
 
 
 @frozen

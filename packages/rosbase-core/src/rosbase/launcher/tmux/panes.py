@@ -37,13 +37,13 @@ class Panes:
     def __init__(
         self, tmux: Tmux, folder: Path, clock: Clock, sizes: Mapping[str, tuple[int, int]]
     ) -> None:
-        """Listen in a folder that only this user can enter; sizes are those of new sessions."""
+        """Listen in a folder that only this user can enter. New sessions get the given sizes."""
         self._tmux = tmux
         self._folder = folder
         self._clock = clock
         self._lock = threading.RLock()
         self._panes: dict[str, Pane] = {}
-        # When the terminal of each was made: later, its path may be that of somebody else.
+        # When the terminal of each was made: later, its path may name another terminal.
         self._made_ns: dict[str, int] = {}
         self._sizes = sizes
         self._sessions: set[str] = set()
