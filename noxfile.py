@@ -25,7 +25,9 @@ DISTRIBUTIONS = {
     "rosbase-core": (["rosbase-core"], "tests/core"),
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
-    "rosbase-view": (["rosbase-core", "rosbase-view"], "tests/view"),
+    "rosbase-mcap": (["rosbase-core", "rosbase-mcap"], "tests/rosbase_mcap"),
+    # Recordings are viewed too.
+    "rosbase-view": (["rosbase-core", "rosbase-mcap", "rosbase-view"], "tests/view"),
 }
 # Tests that often keep a processor busy. The others mostly wait: for time, brokers and processes.
 BUSY = {"tests/ros2"}
@@ -55,6 +57,8 @@ ROS_MESSAGES = [
 ]
 # What our bytes, schemas and hashes are compared with.
 WIRE_ORACLES = ["numpy", "ros-jazzy-test-msgs", "rosbags>=0.10", *ROS_MESSAGES]
+# Other readers of recordings.
+MCAP_ORACLES = ["mcap>=1.2", "mcap-ros2-support>=0.5", "rosbags>=0.10"]
 MESSAGES = PACKAGES / "rosbase-core/src/rosbase/messages"
 # The front page shows the screen of a command.
 SITE_TOOLS = [
@@ -143,8 +147,10 @@ def tests(session: nox.Session, distribution: str) -> None:
     # Vectors and buffers of messages may be arrays of numpy, which rosbase itself never imports.
     # Our rotations are compared with those of transforms3d.
     session.install("numpy", "transforms3d>=0.4.2", *TEST_TOOLS)
+    if distribution == "rosbase-mcap":
+        session.install(*MCAP_ORACLES)
     if distribution == "rosbase-view":
-        session.install(SOCKETS)
+        session.install(SOCKETS, *MCAP_ORACLES)
     _install(session, *names)
     if pins := PINS.get(distribution):
         session.install(*pins)
@@ -240,6 +246,7 @@ def typing(session: nox.Session) -> None:
         "core",
         "imu_serial",
         "imu_mqtt",
+        "rosbase_mcap",
         "view",
         "ros2",
         "integration",
@@ -340,6 +347,16 @@ def launcher(session: nox.Session) -> None:
     runs = {"ROSBASE_LAUNCHER_RUNS": "20", "ROSBASE_LAUNCHER_PROGRAMS": "50"}
     test = "tests/core/test_launcher_campaign.py"
     session.run("pytest", "-q", test, *session.posargs, env=runs)
+
+
+@nox.session(default=False)
+def recordings(session: nox.Session) -> None:
+    """A hundred recordings cut off by SIGKILL, mended, and read by all readers: some minutes."""
+    session.install(*MCAP_ORACLES, *ROS_MESSAGES, *TEST_TOOLS)
+    _install(session, "rosbase-core", "rosbase-mcap", "rosbase-ros2")
+    test = "tests/rosbase_mcap/test_kills.py"
+    runs = {"ROSBASE_RECORDING_KILLS": "100"}
+    session.run("pytest", "-q", "-n", "2", test, *session.posargs, env=runs)
 
 
 @nox.session(default=False)

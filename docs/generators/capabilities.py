@@ -12,15 +12,22 @@ from rosbase import (
     ParameterSpec,
     PluginRegistry,
     PresetPlugin,
+    RecorderPlugin,
     TransportPlugin,
 )
 
 __all__ = ["table", "tables"]
 
-KINDS: tuple[type[Descriptor], ...] = (BackendPlugin, TransportPlugin, PresetPlugin, CheckPlugin)
+KINDS: tuple[type[Descriptor], ...] = (
+    BackendPlugin,
+    TransportPlugin,
+    PresetPlugin,
+    CheckPlugin,
+    RecorderPlugin,
+)
 
 # What every plugin has to give, so that there is nothing to compare, and what is shown elsewhere.
-LEFT_OUT = {"name", "create", "values", "run", "parameters"}
+LEFT_OUT = {"name", "create", "values", "run", "open", "parameters"}
 
 
 def tables(registry: PluginRegistry) -> str:

@@ -22,6 +22,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Payload mappings": ("mapping",),
     "Plugins": ("plugins",),
     "Transports": ("contracts.transport", "contracts.stamper", "device", "framing"),
+    "Recordings": ("contracts.recording",),
     "Arguments of a program": ("program",),
     "Backends": (
         "contracts.backend",
@@ -30,6 +31,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "contracts.service",
         "contracts.tap",
         "contracts.graph",
+        "contracts.new_ends",
         "contracts.message_format",
         "local",
     ),

@@ -379,6 +379,7 @@ def test_the_reason_is_told_if_there_are_no_names_at_all(robots: Robots) -> None
     assert run("stop", "app", status=1) == "rosbase: no program app; no program runs\n"
     assert run("topic", "info", "x", status=1) == "rosbase: no topic x; no program runs\n"
     assert run("node", "info", "x", status=1) == "rosbase: no node x; no program runs\n"
+    assert run("ps", "-P", "app", status=1) == "rosbase: no program app; no program runs\n"
     app = robots.start(APP)
     app.process.send_signal(signal.SIGSTOP)
     try:

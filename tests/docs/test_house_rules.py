@@ -23,7 +23,17 @@ ROOT = Path(__file__).parents[2]
 # kinds of network, and the speed of a UART. A view has a model, drawings, a page for each subject,
 # a source and widgets; a server for other viewers brings each subject to them, and a recording is
 # played.
-MOST_MODULES = {"imu-mqtt": 14, "imu-serial": 13, "rosbase-ros2": 48, "rosbase-view": 84}
+# A recording is a format of its own: its records, chunks and end, each with a writer and a reader,
+# a scan that trusts nothing, and the mending of files that were cut off. Messages come from within
+# a program or through its control socket, wait for a thread, and go into files or a ring. Each
+# command has a module.
+MOST_MODULES = {
+    "imu-mqtt": 14,
+    "imu-serial": 13,
+    "rosbase-mcap": 39,
+    "rosbase-ros2": 48,
+    "rosbase-view": 84,
+}
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
 

@@ -31,6 +31,7 @@ INTERNAL = {
         "roles.keywords",
         "roles.lookup",
         "roles.program",
+        "roles.recording",
         "roles.registration",
         "roles.shutdown",
         "roles.transitions",

@@ -15,7 +15,7 @@ _INLINE = re.compile(r"`(pip install [^`]+)`")
 # What may stand for the values in an f-string, by their names; for any other, nothing does.
 _VALUES = {
     "name": ["imu-serial"],
-    "package": ["imu-mqtt", "imu-serial", "rosbase-ros2"],
+    "package": ["imu-mqtt", "imu-serial", "rosbase-mcap", "rosbase-ros2"],
     "wheel": ["ros-jazzy-nav-msgs", "ros-jazzy-std-srvs", "ros-jazzy-visualization-msgs"],
 }
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from attrs import evolve
 
+from rosbase.contracts.backend import BackendOptions
 from rosbase.contracts.graph import Graph
 from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.tap import Tap
@@ -123,6 +124,25 @@ class KeepsFailingTaps(LocalBackend):
                 return
 
         return super().add_tap(topic, hear)
+
+
+@breaks("new-ends-are-told")
+class TellsOfNothing(LocalBackend):
+    def __init__(self, options: BackendOptions) -> None:
+        super().__init__(options)
+        self.new_ends.tell = lambda describe: None  # type: ignore[method-assign]  # a mutant
+
+
+@breaks("new-ends-are-told")
+class TellsOfPublishersOnly(LocalBackend):
+    def create_subscription(
+        self, msg_type: Any, topic: Any, callback: Callable[[Any], object], qos_profile: Any
+    ) -> Any:
+        tell, self.new_ends.tell = self.new_ends.tell, lambda describe: None  # type: ignore[method-assign]  # a mutant
+        try:
+            return super().create_subscription(msg_type, topic, callback, qos_profile)
+        finally:
+            self.new_ends.tell = tell  # type: ignore[method-assign]  # as it was
 
 
 @breaks("kept-messages-are-told")

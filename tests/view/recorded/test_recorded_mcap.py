@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-pytest.importorskip("rosbase_mcap", reason="a recording needs rosbase-mcap")
-
 from mcap.writer import CompressionType, IndexType, Writer
-from rosbase_mcap.reading import read_summary
 
 from rosbase import ConfigurationError, RosbaseError
 from rosbase.messages import Imu, String
 from rosbase.wire import schema
+from rosbase_mcap.reading import read_summary
 from rosbase_view.recorded.mcap_file import McapFile
 from support.command import run_rosbase
 from support.foxglove_client import FoxgloveClient

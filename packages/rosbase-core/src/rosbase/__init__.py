@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         check_node_name,
         resolve_topic,
     )
+    from rosbase.contracts.new_ends import NewEnds
     from rosbase.contracts.node_connection import (
         NodeConnection,
         Publisher,
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         name_undeclared,
         refused,
     )
+    from rosbase.contracts.recording import Recording, RecordOptions
     from rosbase.contracts.service_call import ServiceCall
     from rosbase.contracts.service_callback import check_service_type, service_answer
     from rosbase.contracts.service_client import ServiceClient
@@ -96,6 +98,7 @@ if TYPE_CHECKING:
         NotInstalledError,
         ParameterError,
         PluginError,
+        RecordingError,
         RosbaseError,
         ServiceDepthError,
         ServiceError,
@@ -170,6 +173,7 @@ if TYPE_CHECKING:
         Descriptor,
         PluginRegistry,
         PresetPlugin,
+        RecorderPlugin,
         TransportPlugin,
         hookimpl,
         installed_plugins,
@@ -285,6 +289,7 @@ __all__ = [
     "ManagedNode",
     "MappingError",
     "MessageFormat",
+    "NewEnds",
     "NodeConnection",
     "NotADeviceError",
     "NotInstalledError",
@@ -309,6 +314,10 @@ __all__ = [
     "QoSProfile",
     "Quantity",
     "QueuedSubscription",
+    "RecordOptions",
+    "RecorderPlugin",
+    "Recording",
+    "RecordingError",
     "Reject",
     "ReliabilityPolicy",
     "ReportingDevice",
@@ -393,8 +402,8 @@ _HOMES = {
     "BackendPlugin": "rosbase.plugins",
     "Backoff": "rosbase.runtime.backoff",
     "BaseAgent": "rosbase.roles.agent",
-    "BaseLauncher": "rosbase.launcher",
     "BaseHandlers": "rosbase.roles.handlers",
+    "BaseLauncher": "rosbase.launcher",
     "BaseManager": "rosbase.manager",
     "BaseNode": "rosbase.roles.node",
     "Batch": "rosbase.mapping",
@@ -438,6 +447,7 @@ _HOMES = {
     "ManagedNode": "rosbase.lifecycle",
     "MappingError": "rosbase.errors",
     "MessageFormat": "rosbase.contracts.message_format",
+    "NewEnds": "rosbase.contracts.new_ends",
     "NodeConnection": "rosbase.contracts.node_connection",
     "NotADeviceError": "rosbase.errors",
     "NotInstalledError": "rosbase.errors",
@@ -462,6 +472,10 @@ _HOMES = {
     "QoSProfile": "rosbase.qos",
     "Quantity": "rosbase.mapping",
     "QueuedSubscription": "rosbase.runtime.queued_subscription",
+    "RecordOptions": "rosbase.contracts.recording",
+    "RecorderPlugin": "rosbase.plugins",
+    "Recording": "rosbase.contracts.recording",
+    "RecordingError": "rosbase.errors",
     "Reject": "rosbase.mapping",
     "ReliabilityPolicy": "rosbase.qos",
     "ReportingDevice": "rosbase.device",

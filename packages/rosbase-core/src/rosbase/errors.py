@@ -6,6 +6,7 @@ RosbaseError
 │   ├── ParameterError            baudrate:=fast, an unknown parameter
 │   │   └── GivenParameterError   a wrong value from outside the program
 │   ├── NotInstalledError         no such backend, transport or preset
+│   ├── RecordingError            a file that exists already, a folder that does not
 │   └── MappingError              a payload mapping that cannot be built
 ├── BackendError                  a topic used with two types, a closed backend
 ├── ServiceError                  a service call without an answer, such as a cancelled one
@@ -46,6 +47,7 @@ __all__ = [
     "NotInstalledError",
     "ParameterError",
     "PluginError",
+    "RecordingError",
     "RosbaseError",
     "ServiceDepthError",
     "ServiceError",
@@ -76,6 +78,10 @@ class GivenParameterError(ParameterError):
 
 class NotInstalledError(ConfigurationError):
     """A backend, transport or preset of that name is not installed."""
+
+
+class RecordingError(ConfigurationError):
+    """A recording cannot be made, or a file is none. The message names the file."""
 
 
 class MappingError(ConfigurationError):

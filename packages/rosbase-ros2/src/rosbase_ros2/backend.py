@@ -58,7 +58,13 @@ class Ros2Backend(RosNode, Backend):
         arguments = RosArguments(words)
         node = start_node(context, options, arguments)
         process = Process(
-            context, options, self.executor, words, arguments, Conversions(_ask_plugins)
+            context,
+            options,
+            self.executor,
+            words,
+            arguments,
+            Conversions(_ask_plugins),
+            self.new_ends,
         )
         process.find_log_file()
         self._others: list[RosNode] = []

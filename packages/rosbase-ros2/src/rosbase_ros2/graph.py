@@ -7,12 +7,12 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import HistoryPolicy, QoSProfile
 
-from rosbase import Graph, ServiceEnd, TopicEnd
+from rosbase import Graph, ServiceEnd, TopicEnd, type_name_of
 from rosbase_ros2.qos import from_profile
 from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.taps import Taps
 
-__all__ = ["ros_graph"]
+__all__ = ["ros_graph", "topic_end"]
 
 
 def ros_graph(nodes: Sequence[SharedNode], taps: Taps) -> Graph:
@@ -30,6 +30,23 @@ def ros_graph(nodes: Sequence[SharedNode], taps: Taps) -> Graph:
         tuple(end for graph in graphs for end in graph.subscriptions),
         tuple(end for graph in graphs for end in graph.services),
         tuple(end for graph in graphs for end in graph.clients),
+    )
+
+
+def topic_end(node: SharedNode, inner: Any, msg_type: Any) -> TopicEnd:
+    """Return the description of a publisher or a subscription of rclpy.
+
+    Args:
+        node: Its node.
+        inner: The publisher or subscription.
+        msg_type: Class of the messages, of rosbase or of ROS.
+    """
+    return TopicEnd(
+        node.get_fully_qualified_name(),
+        inner.topic_name,
+        type_name_of(inner.msg_type),
+        msg_type,
+        from_profile(inner.qos_profile),
     )
 
 

@@ -39,7 +39,7 @@ from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import Retirement
 from rosbase_ros2.formats import find_ros_type, ros_format
 from rosbase_ros2.given import given_parameters, own_first
-from rosbase_ros2.graph import ros_graph
+from rosbase_ros2.graph import ros_graph, topic_end
 from rosbase_ros2.lifecycle_services import LifecycleServices
 from rosbase_ros2.parameters import Overrides, RosParameters
 from rosbase_ros2.process import Process
@@ -89,7 +89,7 @@ class RosNode(NodeConnection):
         """
         self._process = process
         process.nodes.append(node)
-        node.publisher_listener = process.taps.welcome
+        node.publisher_listener = self._welcome
         self.node = node
         """Node of rclpy, for everything else that a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
@@ -181,6 +181,7 @@ class RosNode(NodeConnection):
         subscription.attach(inner)
         self._subscriptions.append(subscription)
         self._process.taps.add_subscription(subscription)
+        self._process.new_ends.tell(lambda: topic_end(self.node, inner, msg_type))
         return subscription
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
@@ -358,6 +359,11 @@ class RosNode(NodeConnection):
         self._sim_time.close()
         self.node.destroy_node()
         return True
+
+    def _welcome(self, inner: Any) -> None:
+        """Note a new publisher of rclpy, of rosbase or of the program."""
+        self._process.taps.welcome(inner)
+        self._process.new_ends.tell(lambda: topic_end(self.node, inner, inner.msg_type))
 
     def _create(
         self,

@@ -5,7 +5,7 @@ from typing import Any
 
 from attrs import define, field
 
-from rosbase import BackendError, BackendOptions, Executor, Tap, one_line
+from rosbase import BackendError, BackendOptions, Executor, NewEnds, Tap, one_line
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.log_file import LogFile
 from rosbase_ros2.shared_node import SharedNode
@@ -31,6 +31,8 @@ class Process:
     arguments: RosArguments
     """The same arguments, with the values written in them."""
     conversions: Conversions
+    new_ends: NewEnds
+    """Tells of new publishers and subscriptions."""
     log_file: LogFile | None = field(init=False, default=None)
     """Log file of ROS, if there is one."""
     nodes: list[SharedNode] = field(init=False, factory=list)

@@ -9,7 +9,7 @@ from typing import TextIO
 from rosbase.cli.arguments import OneLineParser
 from rosbase.cli.backend_arguments import check_taken, split_arguments
 from rosbase.cli.output import own_stdio
-from rosbase.errors import ConfigurationError, RosbaseError
+from rosbase.errors import ConfigurationError, ControlError, RosbaseError
 from rosbase.plugins import CommandPlugin, installed_plugins
 from rosbase.roles.connection import backend_name
 from rosbase.text.printable import MOST_LINE, one_line
@@ -38,7 +38,8 @@ def _run(arguments: list[str]) -> int:
         sys.stdout.flush()
     except RosbaseError as error:
         _complain(one_line(str(error), MOST_LINE))
-        return 2
+        # What a running program refuses, or does not have, is no wrong use of the command.
+        return 1 if isinstance(error, ControlError) else 2
     except BrokenPipeError:
         # Whoever read has had enough, as `head` does. What is left must not be tried again.
         _to_nowhere(sys.stdout)

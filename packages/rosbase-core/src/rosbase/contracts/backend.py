@@ -13,8 +13,8 @@ May implement, if the backend reaches beyond this process: `delivers_in_process`
 
 May set, before the constructor returns: `node_name`, `clock`.
 
-Never override, because the executor sets them: `executor`, `call_soon`, `spin_once`, `spin_until`,
-`is_in_virtual_time`.
+Never override, because the constructor sets them: `executor`, `call_soon`, `spin_once`,
+`spin_until`, `is_in_virtual_time`, `new_ends`, `connections`.
 
 `rosbase.testing.backend_contract` checks all of this. Optional abilities of a backend are declared
 there, not guessed.
@@ -69,6 +69,7 @@ from attrs import field, frozen
 
 from rosbase.clock import Clock, SystemClock
 from rosbase.contracts.names import check_node_name
+from rosbase.contracts.new_ends import NewEnds
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.node_view import NodeView
 from rosbase.parameters import ParameterValue
@@ -121,6 +122,10 @@ class Backend(NodeConnection):
         check_node_name(node_name)
         self.node_name = node_name
         self.clock = clock
+        self.connections: list[NodeConnection] = [self]
+        """Its own, and those that were opened for nodes; the roles add them."""
+        self.new_ends = NewEnds()
+        """Tells of each new publisher and subscription. The backend calls `tell`."""
         self.executor = Executor(clock)
         """Runs callbacks, on the thread that spins it. Deadlines are on `executor.clock`."""
         self.call_soon = self.executor.call_soon

@@ -15,6 +15,7 @@ from attrs import frozen
 
 from rosbase.contracts.backend import Backend
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.contracts.recording import Recording
 from rosbase.control.recent_log import recent_log
 from rosbase.errors import ConfigurationError, ControlError
 from rosbase.lifecycle import ManagedNode
@@ -77,6 +78,11 @@ class Program:
     """Its log; set by `offered`."""
     started_ns = 0
     """Start of its run on the machine's monotonic clock; set by `offered`."""
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that it makes of itself, if it does."""
+        return None
 
     @property
     def name(self) -> str:

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TypeAlias
 
-from rosbase.logger.observer import observe
+from rosbase.logger.observer import add_observer, remove_observer
 from rosbase.logger.record_text import whole_text
 
 __all__ = ["MOST_RECORDS", "Line", "RecentLog", "recent_log"]
@@ -41,11 +41,11 @@ class RecentLog:
         self._is_hearing = True
         # In a forked child, a thread that is gone may hold the one from before.
         self._lock, self._followers = threading.RLock(), ()
-        observe(self._hear)
+        add_observer(self._hear)
 
     def stop(self) -> None:
         """Hear them no more, and forget what was heard."""
-        observe(None)
+        remove_observer(self._hear)
         self._is_hearing = False
         self.lines.clear()
         self._followers = ()

@@ -22,7 +22,7 @@ from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile, as_profile
 
 if TYPE_CHECKING:
-    from rosbase.contracts.graph import Graph
+    from rosbase.contracts.graph import Graph, TopicEnd
     from rosbase.contracts.service_server import ServiceServer
     from rosbase.local.service_client import LocalClient
 
@@ -72,6 +72,7 @@ class LocalBackend(Backend):
         name = self._check(topic)
         publisher = self._bus.add_publisher(name, msg_type, as_profile(qos_profile, topic))
         self._publishers.append(publisher)
+        self.new_ends.tell(lambda: self._topic_end(publisher, msg_type))
         return publisher
 
     def create_subscription(
@@ -86,6 +87,7 @@ class LocalBackend(Backend):
         subscription = LocalSubscription(name, callback, profile, self.call_soon)
         self._bus.add_subscription(subscription, msg_type)
         self._subscriptions.append(subscription)
+        self.new_ends.tell(lambda: self._topic_end(subscription, msg_type))
         return subscription
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
@@ -245,6 +247,13 @@ class LocalBackend(Backend):
         for client in list(self._clients):
             self.destroy_client(client)
         self.executor.close()
+
+    def _topic_end(self, end: LocalPublisher | LocalSubscription, msg_type: type) -> "TopicEnd":
+        # A node that has it is known only later; listeners look for topics.
+        from rosbase.contracts.graph import TopicEnd, type_name_of
+
+        name = f"/{self.node_name}"
+        return TopicEnd(name, end.topic, type_name_of(msg_type), msg_type, end.profile)
 
     def _remove_tap(self, tap: Tap) -> None:
         self._taps.discard(tap)

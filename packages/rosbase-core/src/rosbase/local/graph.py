@@ -8,7 +8,7 @@ from rosbase.local.bus import Bus
 from rosbase.local.standard.catalog import LIFECYCLE, TRANSITION_EVENT, TYPES
 from rosbase.qos import QoSProfile
 
-__all__ = ["Ends", "local_graph"]
+__all__ = ["Ends", "local_graph", "transition_end"]
 
 _OUR_OWN = "rosbase.messages."
 # That of rcl_lifecycle.
@@ -75,9 +75,13 @@ def _events(standard: Sequence[tuple[str, str]]) -> Iterator[TopicEnd]:
     """Yield the topics of transitions, which have a publisher once somebody listens."""
     for node, kind in standard:
         if kind == LIFECYCLE:
-            name = f"{node}/transition_event"
-            type_name = _ros_name(TRANSITION_EVENT, "msg")
-            yield TopicEnd(node, name, type_name, None, _EVENT_PROFILE)
+            yield transition_end(node)
+
+
+def transition_end(node: str) -> TopicEnd:
+    """Return the topic of the transitions of a node."""
+    name, type_name = f"{node}/transition_event", _ros_name(TRANSITION_EVENT, "msg")
+    return TopicEnd(node, name, type_name, None, _EVENT_PROFILE)
 
 
 def _standard_services(standard: Sequence[tuple[str, str]]) -> Iterator[ServiceEnd]:

@@ -288,7 +288,7 @@ class RosbaseLogger:
 
     def _hand_on(self, record: logging.LogRecord) -> None:
         """Pass a record to observers and log files, and its whole text to the listener."""
-        for observer in observers:
+        for observer in observers.copy():
             observer(record)
         files = self._file, current_log_file()
         for file in files[files[0] is files[1] :]:

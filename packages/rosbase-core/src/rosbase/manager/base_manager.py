@@ -1,10 +1,13 @@
 """The manager: owns everything in one process, and connects the roles."""
 
+import sys
 import threading
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
+from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.control.programs import may_be_offered, offered
 from rosbase.lifecycle import State
 from rosbase.logger import RosbaseLogger
@@ -35,6 +38,7 @@ from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase.roles.lookup import find_component
 from rosbase.roles.node import BaseNode
+from rosbase.roles.recording import begin_recording, recorded
 from rosbase.roles.registration import Registration
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
@@ -95,6 +99,7 @@ class BaseManager(Constructed):
     """Optional method, called after `get_state_switch` and with its result if it takes an argument.
     """
 
+    _recording: Recording | None = None
     _is_initialised = False
     """Whether the constructor of this class has come to the components."""
 
@@ -114,6 +119,7 @@ class BaseManager(Constructed):
         handshake_timeout: float | None = None,
         timing: Literal["normal", "precise"] = "normal",
         control: bool = True,
+        record: str | Path | RecordOptions | None = None,
         main_loop_timer: object = None,
         **kwargs: Any,
     ) -> None:
@@ -136,6 +142,8 @@ class BaseManager(Constructed):
                 costs processor time. In virtual time, both are exact.
             control: Whether programs of this user, such as `rosbase topic list`, can look at this
                 one and operate it while it runs. `ROSBASE_CONTROL=off` turns it off for all.
+            record: File to which this program is recorded, or options with such a file; by default
+                what `rosbase run --record` says. It needs rosbase-mcap.
             main_loop_timer: Accepted from older programs, and ignored.
             kwargs: Forwarded to every component as they are.
 
@@ -144,7 +152,8 @@ class BaseManager(Constructed):
                 is async or a generator.
             ValueError: The rate or the timeout is not a positive number, or there is no such
                 timing.
-            NotInstalledError: No backend of that name can be used.
+            NotInstalledError: No backend of that name can be used, or no recorder.
+            RecordingError: The recording cannot be created.
         """
         check_methods(self, _PLAIN_METHODS)
         self._known_threads = threading.enumerate()
@@ -152,6 +161,7 @@ class BaseManager(Constructed):
         self.agents = {}
         self.backend = open_backend(backend, BackendOptions(node_name=node_name))
         self.logger = open_logger(self.backend, node_name, custom_logger)
+        self._recording = begin_recording(record, self.backend, self.logger)
         self._registration = Registration(node_name, custom_logger is not None)
         self._prepare(node_freq_hz, start_state, log_freq, handshake_timeout, timing)
         self._program = ManagerProgram(self)
@@ -197,6 +207,8 @@ class BaseManager(Constructed):
             )
         if hasattr(self, "backend"):
             self.backend.close()
+        if self._recording is not None:
+            self._recording.close(sys.exc_info()[1])
         # Children were started for this manager, and nobody else knows of them.
         shutdown_unclaimed()
 
@@ -318,6 +330,14 @@ class BaseManager(Constructed):
         """
         return find_component(self.agents, agent_class, name, "agent")
 
+    @property
+    def recording(self) -> Recording | None:
+        """Recording of this program; None if it is not recorded.
+
+        `recording.save()` writes what `RecordOptions.last_s` keeps in memory.
+        """
+        return self._recording
+
     def request_stop(self) -> None:
         """End the main loop after the current tick. Call it from any thread or signal handler."""
         self._stop_requests.append(True)
@@ -361,6 +381,10 @@ class BaseManager(Constructed):
             self._run(processes, stop)
 
     def _run(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
+        with recorded(self._recording):
+            self._run_through(processes, stop)
+
+    def _run_through(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         try:
             self.backend.executor.begin(self._is_stopping)
             self.backend.begin_run(self.request_stop)
@@ -404,6 +428,8 @@ class BaseManager(Constructed):
         The main loop does so itself; a second call does nothing.
         """
         self.backend.close()
+        if self._recording is not None and not self._has_started:
+            self._recording.close(None)
 
     def _claim(self, processes: ChildProcesses | None, stop: StopSignals | None) -> None:
         if isinstance(processes, ChildProcesses):

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from rosbase.contracts.recording import Recording
 from rosbase.control.programs import Program, RunningNode
 from rosbase.roles.node import BaseNode
 from rosbase.roles.program import running_node
@@ -26,6 +27,11 @@ class ManagerProgram(Program):
     def class_name(self) -> str:
         """Class of the manager."""
         return type(self._manager).__name__
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that the manager makes of its program."""
+        return self._manager._recording
 
     def nodes(self) -> list[RunningNode]:
         """Return the manager's own node, and those that it has registered."""

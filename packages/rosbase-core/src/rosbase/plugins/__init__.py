@@ -7,6 +7,7 @@ from rosbase.plugins.descriptors import (
     ConversionPlugin,
     Descriptor,
     PresetPlugin,
+    RecorderPlugin,
     TransportPlugin,
 )
 from rosbase.plugins.hookspec import hookimpl
@@ -25,6 +26,7 @@ __all__ = [
     "PluginRecord",
     "PluginRegistry",
     "PresetPlugin",
+    "RecorderPlugin",
     "TransportPlugin",
     "hookimpl",
     "installed_plugins",

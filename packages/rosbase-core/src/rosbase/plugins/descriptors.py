@@ -9,6 +9,7 @@ from attrs import Attribute, field, frozen, validators
 from rosbase import messages
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.checks import CheckContext, Finding
+from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.parameters import ParameterSpec, ParameterValue
 
@@ -19,6 +20,7 @@ __all__ = [
     "ConversionPlugin",
     "Descriptor",
     "PresetPlugin",
+    "RecorderPlugin",
     "TransportPlugin",
 ]
 
@@ -160,7 +162,30 @@ class CheckPlugin:
     """
 
 
+@frozen
+class RecorderPlugin:
+    """A recorder of programs: one kind of files."""
+
+    kind: ClassVar[str] = "recorder"
+
+    name: str = field(validator=_word)
+    """The suffix of its files, such as `mcap`."""
+    summary: str = field(validator=validators.instance_of(str))
+    """Description in half a line."""
+    open: Callable[[RecordOptions], Recording] = field(validator=validators.is_callable())
+    """Creates the file, and returns a recording that has not begun.
+
+    It raises a RecordingError if it cannot, and never overwrites a file.
+    """
+
+
 Descriptor: TypeAlias = (
-    BackendPlugin | TransportPlugin | PresetPlugin | CommandPlugin | ConversionPlugin | CheckPlugin
+    BackendPlugin
+    | TransportPlugin
+    | PresetPlugin
+    | CommandPlugin
+    | ConversionPlugin
+    | CheckPlugin
+    | RecorderPlugin
 )
 """Any of the classes that a hook yields."""

@@ -14,6 +14,7 @@ from rosbase.plugins.descriptors import (
     CommandPlugin,
     ConversionPlugin,
     PresetPlugin,
+    RecorderPlugin,
     TransportPlugin,
 )
 
@@ -60,4 +61,10 @@ def rosbase_conversions() -> Iterable[ConversionPlugin]:
 @hookspec
 def rosbase_checks() -> Iterable[CheckPlugin]:
     """Yield checks of `rosbase doctor`. Import a check's dependencies when it runs."""
+    return ()
+
+
+@hookspec
+def rosbase_recorders() -> Iterable[RecorderPlugin]:
+    """Yield recorders, chosen with the suffix of a file: `rosbase run --record FILE.mcap`."""
     return ()

@@ -24,6 +24,7 @@ from rosbase.plugins.descriptors import (
     ConversionPlugin,
     Descriptor,
     PresetPlugin,
+    RecorderPlugin,
     TransportPlugin,
 )
 from rosbase.plugins.discovery import Candidate
@@ -41,6 +42,7 @@ _HOOKS: dict[str, type[Descriptor]] = {
     "rosbase_commands": CommandPlugin,
     "rosbase_conversions": ConversionPlugin,
     "rosbase_checks": CheckPlugin,
+    "rosbase_recorders": RecorderPlugin,
 }
 
 

@@ -11,6 +11,7 @@ OURS = {
     ("check", "ros2"): "rosbase-ros2",
     ("check", "serial"): "imu-serial",
     ("command", "view"): "rosbase-view",
+    ("recorder", "mcap"): "rosbase-mcap",
     ("transport", "mqtt"): "imu-mqtt",
     ("transport", "serial"): "imu-serial",
 }

@@ -18,6 +18,7 @@ from rosbase.plugins.descriptors import (
     ConversionPlugin,
     Descriptor,
     PresetPlugin,
+    RecorderPlugin,
     TransportPlugin,
     conversion_name,
 )
@@ -122,6 +123,15 @@ class PluginRegistry:
             NotInstalledError: There is none; the message says what is available.
         """
         return self._find(CommandPlugin, name)
+
+    def recorder(self, name: str) -> RecorderPlugin:
+        """Return the recorder of files with that suffix.
+
+        Raises:
+            NotInstalledError: There is none; the message says what is available and what to
+                install.
+        """
+        return self._find(RecorderPlugin, name)
 
     def create_conversion(
         self, msg_type: type, backend: str, accept: Callable[[Any], AcceptedT]

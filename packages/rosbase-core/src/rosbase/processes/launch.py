@@ -24,6 +24,7 @@ from rosbase.local.link import Link
 from rosbase.logger.environment import FILE_VARIABLES
 from rosbase.processes.mark import Mark, marked_environment
 from rosbase.processes.terminal import open_terminal
+from rosbase.roles.recording import RECORD_VARIABLE
 from rosbase.runtime.signal_masks import hold_signals
 
 __all__ = [
@@ -211,8 +212,12 @@ def _surroundings(name: str) -> dict[str, Any]:
 
 
 def _inherited() -> dict[str, str]:
-    """Return the environment of a child, without the log file: this process writes its output."""
-    return {name: text for name, text in os.environ.items() if name not in FILE_VARIABLES}
+    """Return the environment of a child, without the log file and the recording.
+
+    This process writes its output, and records its messages.
+    """
+    own = {*FILE_VARIABLES, RECORD_VARIABLE}
+    return {name: text for name, text in os.environ.items() if name not in own}
 
 
 def _python() -> str:

@@ -7,7 +7,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from rosbase.errors import ConfigurationError, GivenParameterError, NotInstalledError
+from rosbase.errors import (
+    ConfigurationError,
+    GivenParameterError,
+    NotInstalledError,
+    RecordingError,
+)
 from rosbase.manager import BaseManager
 from rosbase.roles.node import BaseNode
 from rosbase.text.printable import MOST_LINE, one_line
@@ -28,7 +33,7 @@ def main() -> None:
     del sys.argv[0]
     try:
         _run(target)
-    except (_NoProgramError, GivenParameterError, NotInstalledError) as error:
+    except (_NoProgramError, GivenParameterError, NotInstalledError, RecordingError) as error:
         print(f"rosbase run: {one_line(str(error), MOST_LINE)}", file=sys.stderr)
         sys.exit(2)
 

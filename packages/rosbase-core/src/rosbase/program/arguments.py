@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from rosbase.contracts.recording import RecordOptions
 from rosbase.errors import ConfigurationError
 from rosbase.logger.environment import FILE_VARIABLES, LEVEL_VARIABLE, levels_in
 from rosbase.parameters.given import (
@@ -17,13 +18,14 @@ from rosbase.parameters.given import (
 )
 from rosbase.program.files import read_file
 from rosbase.roles.connection import BACKEND_VARIABLE
+from rosbase.roles.recording import RECORD_VARIABLE
 
 __all__ = ["add_arguments", "take_arguments"]
 
 _FOR_THE_BACKEND = "--ros-args"
 _END = "--"
 _SHORT = "-p"
-_LONG = ("--params-file", "--backend", "--log-level", "--log-file")
+_LONG = ("--params-file", "--backend", "--log-level", "--log-file", "--record", "--record-last")
 # Linux takes 128 KiB for one variable of the environment.
 _MOST_CHARACTERS = 100_000
 
@@ -66,6 +68,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write the log to a file too; at 10 MB a new one is begun, and 5 old ones are kept",
     )
+    parser.add_argument(
+        "--record",
+        metavar="FILE",
+        help="record topics, parameters, transitions and log to a file, such as run.mcap",
+    )
+    parser.add_argument(
+        "--record-last",
+        metavar="SECONDS",
+        type=float,
+        help="keep only the last seconds in memory, and write them if an error ends the program",
+    )
 
 
 def take_arguments(
@@ -74,8 +87,9 @@ def take_arguments(
     """Take the arguments of `rosbase run` from a command line, and return the others.
 
     These are `-p name:=value`, `--params-file FILE`, `--backend NAME`,
-    `--log-level [NAME:=]LEVEL` and `--log-file FILE`. They apply to managers and nodes that are
-    built later in this process and in its child processes. Arguments after `--ros-args` are left
+    `--log-level [NAME:=]LEVEL`, `--log-file FILE`, `--record FILE` and `--record-last SECONDS`.
+    They apply to managers and nodes that are built later in this process and in its child
+    processes; the recording is of the first of them. Arguments after `--ros-args` are left
     alone, and so are those after a `--`, which is left out.
 
     Args:
@@ -133,6 +147,11 @@ def apply(taken: argparse.Namespace) -> None:
         os.environ[LEVEL_VARIABLE] = text
     if taken.log_file:
         os.environ[FILE_VARIABLES[0]] = taken.log_file
+    if taken.record:
+        options = RecordOptions(taken.record, last_s=taken.record_last)
+        os.environ[RECORD_VARIABLE] = options.to_text()
+    elif taken.record_last is not None:
+        raise ConfigurationError("--record-last needs --record FILE")
 
 
 def _assigned(text: str) -> GivenValue:

@@ -86,6 +86,7 @@ def connect(
     if not key or (is_lifecycle and key == manager._registration.node_name):
         return manager.backend, manager.logger
     node = manager.backend.open_node(key, is_lifecycle=is_lifecycle)
+    manager.backend.connections.append(node)
     if manager._registration.has_custom_logger:
         # A class of the application may open a file: one is enough.
         return node, manager.logger

@@ -1,6 +1,8 @@
 """The node: communication and caching, with a manager or standalone, with the same code."""
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from attrs import evolve
@@ -9,6 +11,7 @@ from rosbase.clock import Clock
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters
+from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
 from rosbase.control.programs import may_be_offered, offered
 from rosbase.errors import ParameterError
@@ -28,6 +31,7 @@ from rosbase.roles.context import Component, ManagerContext
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.latest import Latest
 from rosbase.roles.program import NodeProgram
+from rosbase.roles.recording import begin_recording, recorded
 from rosbase.roles.shutdown import is_wish, run_steps
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
 
@@ -51,6 +55,8 @@ class BaseNode(Constructed, Component):
     _plain_methods: ClassVar[tuple[str, ...]] = ("release_resources", "destroy_node")
     _is_lifecycle: ClassVar[bool] = False
     """Whether other programs see it as a node of its own name."""
+    _recording: Recording | None = None
+    """Recording of a standalone node."""
     _connection: NodeConnection
     """Connection for its own topics, timers and parameters."""
 
@@ -64,6 +70,7 @@ class BaseNode(Constructed, Component):
         custom_logger: Callable[[str], Any] | None = None,
         parameter_defaults: Mapping[str, ParameterValue] | None = None,
         control: bool = True,
+        record: str | Path | RecordOptions | None = None,
         **kwargs: Any,
     ) -> None:
         """Attach to the manager, or open a connection.
@@ -79,6 +86,8 @@ class BaseNode(Constructed, Component):
                 that node of a manager alone.
             control: Whether programs of this user, such as `rosbase topic list`, can look at a
                 standalone node and operate it while it runs. `ROSBASE_CONTROL=off` turns it off.
+            record: File to which a standalone node is recorded, or options with such a file; by
+                default what `rosbase run --record` says. It needs rosbase-mcap.
             kwargs: Arguments that the manager forwards; ignored here. A standalone node warns of
                 those that its class does not name.
         """
@@ -97,6 +106,7 @@ class BaseNode(Constructed, Component):
         name = self._program_name = node_name or lone_node_name(self)
         self._connection = self._backend = open_backend(backend, BackendOptions(node_name=name))
         self.logger = open_logger(self._backend, name, custom_logger)
+        self._recording = begin_recording(record, self._backend, self.logger)
         self._program = NodeProgram(self)
         self._is_offered = may_be_offered(self._backend, wanted=control)
         warn_of_untaken(kwargs, [type(self)], BaseNode, self.logger.warning)
@@ -347,8 +357,14 @@ class BaseNode(Constructed, Component):
         """Release the resources of a constructor that failed."""
         if self.__dict__.get("manager") is None and hasattr(self, "_backend"):
             self._backend.close()
+            if self._recording is not None:
+                self._recording.close(sys.exc_info()[1])
 
     def _run(self, stop: StopSignals | None) -> None:
+        with recorded(self._recording):
+            self._run_through(stop)
+
+    def _run_through(self, stop: StopSignals | None) -> None:
         try:
             self._backend.executor.begin(lambda: self._stop_requested)
             self._backend.begin_run(self._request_stop)

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from rosbase.contracts.recording import Recording
 from rosbase.control.programs import Program, RunningNode
 from rosbase.lifecycle import ManagedNode
 
@@ -24,6 +25,11 @@ class NodeProgram(Program):
     def class_name(self) -> str:
         """Class of the node."""
         return type(self._node).__name__
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that the node makes of itself."""
+        return self._node._recording
 
     def nodes(self) -> list[RunningNode]:
         """Return the node itself."""

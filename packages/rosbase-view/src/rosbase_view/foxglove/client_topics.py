@@ -28,7 +28,7 @@ _MOST_WAITING = 1_000
 
 @frozen
 class _Offer:
-    """What a client is about to publish."""
+    """A topic on which a client is about to publish."""
 
     topic: str
     type: str

@@ -1,4 +1,4 @@
-"""Who publishes what to whom. Pure."""
+"""The nodes of each topic and service, as links of a graph. Pure."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

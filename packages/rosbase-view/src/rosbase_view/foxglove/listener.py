@@ -1,4 +1,4 @@
-"""What clients ask for, from the SDK to whoever does it."""
+"""The requests of clients, from the SDK to the objects that do them."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What the user should know: a line on the terminal, and in the clients."""
+"""News for the user: a line on the terminal, and in the clients."""
 
 import sys
 

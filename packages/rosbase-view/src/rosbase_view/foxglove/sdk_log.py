@@ -1,4 +1,4 @@
-"""What foxglove-sdk logs, on the terminal."""
+"""The log of foxglove-sdk, on the terminal."""
 
 import logging
 import sys

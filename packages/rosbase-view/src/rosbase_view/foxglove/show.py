@@ -50,7 +50,8 @@ def run(source: Source, options: Options) -> int:
             name = Path(options.name or "").name
         try:
             port = bridge.start(f"rosbase: {name}", options.host, options.port)
-            print(f"{name} at ws://{options.host}:{port}", flush=True)
+            address = f"ws://{options.host}:{port}"
+            print(f"rosbase view: {name} at {address} (Ctrl-C to end)", flush=True)
             ending.wait()
         finally:
             bridge.close()

@@ -19,7 +19,7 @@ _TRANSFORM_EVERY_NS = 20_000_000
 
 @frozen
 class Listened:
-    """What clients listen to."""
+    """Topics to which clients listen."""
 
     topics: Mapping[TopicKey, int]
     """Topics, each with how many clients have begun to listen so far."""

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
+from rosbase import ConfigurationError
 from rosbase_mcap.compression import unpacked
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.reading import Selection, messages, read_summary
@@ -12,8 +13,6 @@ from rosbase_mcap.records import PREFIX, Chunk, ChunkIndex, Kind, Message
 from rosbase_mcap.recovery import mend
 from rosbase_mcap.scanning import records_in
 from rosbase_mcap.summary import Summary
-
-from rosbase import ConfigurationError
 from rosbase_view.recorded.recording import RecordedMessage, RecordedTopic
 
 __all__ = ["McapFile"]

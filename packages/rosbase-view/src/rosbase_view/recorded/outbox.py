@@ -1,4 +1,4 @@
-"""What was played and not taken yet: bounded, however slow the view is."""
+"""Messages that were played and not taken yet: bounded, however slow the view is."""
 
 from collections.abc import Iterable, Sequence
 
@@ -21,7 +21,7 @@ class Outbox:
             topics: Topics whose messages are counted.
         """
         self.gaze = Gaze()
-        """What the user looks at."""
+        """Topics and nodes that the user looks at."""
         self._heard: list[Heard] = []
         self._bytes = 0
         self._counts = dict.fromkeys(topics, 0)

@@ -38,6 +38,7 @@ SUBJECTS = (
     "statistics",
     "topics",
     "services",
+    "recording",
 )
 """Modules of this package."""
 

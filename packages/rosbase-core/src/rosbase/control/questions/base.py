@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
     from typing import Any
 
-    from rosbase.control.gathering import Ask
+    from rosbase.control.gathering import Ask, Replies
     from rosbase.control.shapes import Process
     from rosbase.control.time_limit import TimeLimit
 
@@ -106,9 +106,7 @@ class Questions:
 
     def _named(self, name: str) -> Process:
         """Return the process with a program of that name, or that pid."""
-        asks: list[Ask] = [("process", {})]
-        replies = gather(asks, self._timeout_s, None, self._on_silent, self._silent_until)
-        found = [reply.answers[0] for reply in replies]
+        found = [reply.answers[0] for reply in self._all_replies()]
         processes: list[Process] = [p for p in found if not isinstance(p, ControlError)]
         if _is_pid(name):
             those = [p for p in processes if p["pid"] == int(name)]
@@ -129,6 +127,11 @@ class Questions:
             "ambiguous",
             [str(p["pid"]) for p in those],
         )
+
+    def _all_replies(self) -> list[Replies]:
+        """Return what every process says of itself, whichever program was chosen."""
+        asks: list[Ask] = [("process", {})]
+        return gather(asks, self._timeout_s, None, self._on_silent, self._silent_until)
 
     def _not_running(self) -> ControlError:
         text = f"no program {self._program} runs, or it has no control socket"
@@ -161,7 +164,7 @@ class Questions:
         head = str(error).partition("; ")[0]
         if any(not limit.is_over for limit in self._silent_until.values()):
             return ControlError(f"{head} among the programs that answer", "unknown")
-        if not self.processes():
+        if not self._all_replies():
             return ControlError(f"{head}; no program runs", "unknown")
         return error
 

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rosbase.contracts.backend import Backend, Publisher
 from rosbase.contracts.parameter_store import ParameterStore
@@ -17,6 +17,9 @@ from rosbase.local.standard.catalog import LIFECYCLE, PARAMETER_EVENT, PARAMETER
 from rosbase.local.standard.node_parameters import NodeParameters
 from rosbase.logger import RosbaseLogger
 from rosbase.parameters import Parameter
+
+if TYPE_CHECKING:
+    from rosbase.contracts.graph import TopicEnd
 
 __all__ = ["StandardOffers"]
 
@@ -77,6 +80,7 @@ class StandardOffers:
             return
         managed.add_transition_listener(partial(self._publish, node))
         self._bus.services.standard_changed(node, LIFECYCLE)
+        self._backend.new_ends.tell(partial(_transition_end, node))
 
     def parameters_of(self, prefix: str) -> NodeParameters:
         """Return the parameters of the node whose names in the store have the prefix."""
@@ -176,6 +180,12 @@ class StandardOffers:
         if topic not in self._events:
             self._events[topic] = self._backend.create_publisher(heard, topic, depth)
         return self._events[topic]
+
+
+def _transition_end(node: str) -> "TopicEnd":
+    from rosbase.local.graph import transition_end
+
+    return transition_end(node)
 
 
 class _Offer:

@@ -91,6 +91,10 @@ _SENTENCES = {
     "wrong-taps-are-errors": (
         "A tap of an invalid topic name, or of a closed backend, is a BackendError of one line"
     ),
+    "new-ends-are-told": (
+        "new_ends tells of each publisher and subscription before create_publisher and"
+        " create_subscription return, so a tap that is added then misses no message"
+    ),
     "kept-messages-are-told": (
         "kept_messages has what the TRANSIENT_LOCAL publishers of a topic keep, in order, and"
         " nothing of publishers that have ended"

@@ -148,6 +148,29 @@ class TapChecks(BackendRig):
         backend.destroy_publisher(talker.publisher)
         self._require_numbers(promised, [kept()], [[]])
 
+    def test_new_ends_are_told(self) -> None:
+        promised, backend = self._tapped("new-ends-are-told")
+        told: list[TopicEnd] = []
+        ears: list[_Ear] = []
+
+        def welcome(end: TopicEnd) -> None:
+            told.append(end)
+            ears.append(_Ear(backend, end.name))
+
+        backend.new_ends.add(welcome)
+        talker = self.talker(backend)
+        talker.say(1)
+        listener = Listener(backend, f"{self.topic}_heard", _BEST_EFFORT)
+        backend.new_ends.remove(welcome)
+        self.talker(backend)
+        own = [(end.name, end.type_name) for end in told]
+        names = [talker.publisher.topic, listener.subscription.topic]
+        promised.require(
+            own == [(name, _VECTOR3) for name in names],
+            f"of the topics {names}, {own} were told",
+        )
+        self._require_numbers(promised, [ears[0].numbers], [[1]])
+
     def test_wrong_taps_are_errors(self) -> None:
         promised, backend = self._tapped("wrong-taps-are-errors")
         for name in ("", "a//b", "a b", 5):

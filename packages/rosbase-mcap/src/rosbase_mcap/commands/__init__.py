@@ -1,0 +1,1 @@
+"""The commands for recordings, a module for each."""

@@ -1,0 +1,60 @@
+"""Files as the commands open and write them."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from rosbase_mcap.errors import McapError
+
+__all__ = ["opened", "written"]
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a recording to read it.
+
+    Raises:
+        McapError: It cannot be read; in one line.
+    """
+    try:
+        stream = path.open("rb")
+    except OSError as error:
+        raise McapError(f"{path}: {error.strerror or error}") from error
+    with stream:
+        yield stream
+
+
+@contextmanager
+def written(path: Path, *, may_replace: bool = False) -> Iterator[Callable[[bytes], object]]:
+    """Write a file that has its name only once it is whole.
+
+    Args:
+        path: Its name.
+        may_replace: Whether there may be a file of that name, which is replaced.
+
+    Raises:
+        McapError: It cannot be written; in one line.
+    """
+    if path.exists() and not may_replace:
+        raise McapError(f"{path}: there is such a file already")
+    made = ""
+    try:
+        handle, made = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as file:
+            yield file.write
+            file.flush()
+            os.fsync(file.fileno())
+        # `mkstemp` lets nobody else read it.
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(made).chmod(0o666 & ~mask)
+        Path(made).replace(path)
+        made = ""
+    except OSError as error:
+        raise McapError(f"{path}: {error.strerror or error}") from error
+    finally:
+        if made:
+            Path(made).unlink(missing_ok=True)

@@ -1,0 +1,200 @@
+"""The thread that writes a recording, and the way of messages to it."""
+
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from itertools import count
+from typing import Protocol
+
+from rosbase import RosbaseLogger, SystemClock, background_thread
+from rosbase_mcap.backlog import Backlog, Item
+from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.entries import ENTRIES_CHANNEL, Entry
+from rosbase_mcap.records import Metadata
+
+__all__ = ["LOSSES", "Recorder", "Sink"]
+
+LOSSES = "rosbase_dropped"
+"""Name of the metadata that a file has at its end if messages were dropped."""
+# A kill loses at most the time between two looks at the queue.
+_FLUSH_S = 0.5
+_JOIN_S = 10.0
+# A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it packs a
+# few messages, and lets go of Python's lock for long enough that the main loop gets it.
+_TURN = 64
+_PAUSE_S = 0.0002
+_CLOCK = SystemClock()
+_BACKLOG_BYTES = 64 << 20
+
+
+class Sink(Protocol):
+    """Where a recording goes. One thread uses it; OSError means that it takes no more."""
+
+    def add(self, items: Iterable[Item]) -> None:
+        """Take messages, in their order."""
+        ...
+
+    def flush(self) -> None:
+        """Bring to safety what was taken."""
+        ...
+
+    def note(self, metadata: Metadata) -> None:
+        """Take metadata."""
+        ...
+
+    def close(self) -> None:
+        """End in order."""
+        ...
+
+    def abandon(self) -> None:
+        """End as well as can be, after an OSError. Raises nothing."""
+        ...
+
+
+class Recorder:
+    """Takes messages on any thread, and writes them on its own.
+
+    A disk that takes no more ends the recording with one line in the log, not the program.
+    """
+
+    def __init__(
+        self,
+        sink: Sink,
+        table: ChannelTable,
+        logger: RosbaseLogger,
+        *,
+        before_flush: Callable[[], object] = lambda: None,
+        most_bytes: int = _BACKLOG_BYTES,
+    ) -> None:
+        """Prepare; `start` begins to write.
+
+        Args:
+            sink: Where the messages go.
+            table: The channels.
+            logger: Says what was lost.
+            before_flush: Called on the thread that writes, twice a second, such as to look for
+                new topics. It must not raise.
+            most_bytes: How much may wait for the disk.
+        """
+        self._sink, self._table, self._logger = sink, table, logger
+        self._before_flush = before_flush
+        self._backlog = Backlog(most_bytes)
+        self._thread = background_thread(self._run, "recorder")
+        # Held from the moment that messages are taken until they are in the sink.
+        self._writing = threading.Lock()
+        self._is_stopping = False
+        self._is_broken = False
+        self._unwritten = 0
+        self._said = 0
+
+    @property
+    def dropped(self) -> int:
+        """Number of messages that are missing, because the disk was too slow or full."""
+        return self._backlog.dropped + self._unwritten
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether the disk took no more."""
+        return self._is_broken
+
+    def channel(
+        self, topic: str, type_name: str, schema: str, metadata: Mapping[str, str]
+    ) -> Callable[[int, int, bytes], object]:
+        """Return the function that records a message: `record(log_ns, publish_ns, data)`.
+
+        Any thread may call it; it never waits.
+
+        Args:
+            topic: Full name of the topic.
+            type_name: Type of its messages.
+            schema: Schema of the type, of the format `ros2msg`.
+            metadata: Of the channel; see `channel_table`.
+        """
+        number = self._table.add(topic, type_name, schema, metadata)
+        sequence = count().__next__
+        add = self._backlog.add
+
+        def record(log_ns: int, publish_ns: int, data: bytes) -> object:
+            # MCAP has no dates before 1970.
+            times = max(log_ns, 0), max(publish_ns, 0)
+            return add((number, sequence() & 0xFFFFFFFF, *times, data))
+
+        return record
+
+    def enter(self, entry: Entry) -> None:
+        """Record an entry into the program. Any thread may call it, in the order of the numbers."""
+        stamp_ns = entry.stamp_ns
+        self._backlog.add((ENTRIES_CHANNEL, 0, stamp_ns, stamp_ns, entry.packed()))
+
+    def drain(self) -> None:
+        """Bring to the sink now what waits. Call it from any thread."""
+        with self._writing:
+            self._write(self._backlog.take())
+
+    def start(self) -> None:
+        """Begin to write."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Write what waits, end the file, and end the thread. May be called repeatedly."""
+        if self._is_stopping:
+            return
+        self._is_stopping = True
+        if self._thread.ident is None:
+            # It was never started, and there is a file to end.
+            self.drain()
+            self._end()
+            return
+        self._backlog.wake()
+        self._thread.join(_JOIN_S)
+        if self._thread.is_alive():
+            self._logger.error("the recording does not end: its disk does not answer")
+
+    def _run(self) -> None:
+        while True:
+            self._backlog.wait(_FLUSH_S)
+            # Before the messages are taken, so that the last ones are among them.
+            is_last = self._is_stopping
+            if not is_last:
+                self._before_flush()
+            self.drain()
+            self._say_losses()
+            if is_last:
+                self._end()
+                return
+
+    def _write(self, items: list[Item]) -> None:
+        if self._is_broken:
+            self._unwritten += len(items)
+            return
+        try:
+            for first in range(0, len(items), _TURN):
+                self._sink.add(items[first : first + _TURN])
+                if not self._is_stopping:
+                    _CLOCK.sleep(_PAUSE_S)
+            self._sink.flush()
+        except OSError as error:
+            self._break(error)
+            self._unwritten += len(items)
+
+    def _end(self) -> None:
+        if self._is_broken:
+            return
+        try:
+            if self.dropped:
+                self._sink.note(Metadata(LOSSES, {"messages": str(self.dropped)}))
+            self._sink.close()
+        except OSError as error:
+            self._break(error)
+
+    def _break(self, error: OSError) -> None:
+        self._is_broken = True
+        self._sink.abandon()
+        self._logger.error(f"the recording ends here, the program goes on: {error}")
+
+    def _say_losses(self) -> None:
+        # Each time that it has doubled: a few lines, however long it goes on.
+        if not self._is_broken and self.dropped >= max(1, 2 * self._said):
+            self._said = self.dropped
+            self._logger.warning(
+                f"{self._said} messages are missing in the recording so far: the disk is too slow"
+            )

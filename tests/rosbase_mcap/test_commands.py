@@ -1,0 +1,119 @@
+"""`rosbase info`, `recover`, `cut` and `export` on files."""
+
+from pathlib import Path
+
+import pytest
+
+from rosbase.cli import main
+from rosbase.contracts.message_format import message_format
+from rosbase.messages import Header, Imu, PointStamped, Time, Vector3
+from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.file_sink import FileSink
+from rosbase_mcap.reading import messages
+
+S = 1_000_000_000
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A recording of two topics for four seconds."""
+    table = ChannelTable()
+    imu, point = message_format(Imu), message_format(PointStamped)
+    numbers = (
+        table.add("/imu/data", imu.type_name, imu.schema, {}),
+        table.add("/point", point.type_name, point.schema, {}),
+    )
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    for second in range(1, 5):
+        header = Header(Time(second, 0), "imu_link")
+        data = imu.encode(Imu(header, angular_velocity=Vector3(float(second))))
+        sink.add([(numbers[0], second, second * S, second * S, data)])
+        sink.add([(numbers[1], second, second * S, second * S, point.encode(PointStamped(header)))])
+        sink.flush()
+    sink.close()
+    return tmp_path / "run.mcap"
+
+
+def stamps(path: Path) -> list[tuple[str, int]]:
+    with path.open("rb") as stream:
+        return [(e.channel.topic, e.message.log_ns // S) for e in messages(stream)]
+
+
+def test_info_names_topics_types_counts_and_times(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["info", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "messages:  8" in out
+    assert "duration:  3.000 s" in out
+    assert "start:     1970-01-01 00:00:01.000 UTC" in out
+    assert "/imu/data  sensor_msgs/msg/Imu             4" in out
+    assert "cut off" not in out
+
+
+def test_info_reads_a_file_that_was_cut_off(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path.write_bytes(path.read_bytes()[:-40])
+    assert main(["info", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "messages:  8" in out
+    assert "rosbase recover" in out
+
+
+def test_recover_mends_a_file_in_place(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-40])
+    assert main(["recover", str(path)]) == 0
+    assert path.read_bytes() == whole
+    assert main(["recover", str(path)]) == 0
+    assert "nothing to mend" in capsys.readouterr().out
+    assert [other.name for other in path.parent.iterdir()] == ["run.mcap"]
+
+
+def test_recover_refuses_what_is_no_recording(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path.write_text("nothing of the kind")
+    assert main(["recover", str(path)]) == 2
+    assert "no MCAP file" in capsys.readouterr().err
+    assert path.read_text() == "nothing of the kind"
+
+
+def test_cut_keeps_topics_and_times(path: Path) -> None:
+    target = path.with_name("part.mcap")
+    options = ["--from", "1s", "--to", "1970-01-01T00:00:03"]
+    assert main(["cut", str(path), "point", *options, "-o", str(target)]) == 0
+    assert stamps(target) == [("/point", 2), ("/point", 3)]
+
+
+def test_topics_may_stand_before_options_and_behind_them(path: Path) -> None:
+    target = path.with_name("part.mcap")
+    assert main(["cut", str(path), "point", "-o", str(target), "imu/data", "--to", "0s"]) == 0
+    assert stamps(target) == [("/imu/data", 1), ("/point", 1)]
+
+
+def test_cut_refuses_an_unknown_topic(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cut", str(path), "poin", "-o", str(path.with_name("part.mcap"))]) == 2
+    assert "/imu/data, /point" in capsys.readouterr().err
+    assert not path.with_name("part.mcap").exists()
+
+
+def test_export_writes_a_table_for_each_topic(path: Path) -> None:
+    assert main(["export", "--csv", str(path)]) == 0
+    folder = path.with_suffix("")
+    assert sorted(one.name for one in folder.iterdir()) == ["imu.data.csv", "point.csv"]
+    lines = (folder / "imu.data.csv").read_text().splitlines()
+    assert len(lines) == 5
+    names, values = (line.split(",") for line in lines[:2])
+    assert names[:4] == [
+        "log_time_ns",
+        "header.stamp.sec",
+        "header.stamp.nanosec",
+        "header.frame_id",
+    ]
+    assert values[:4] == ["1000000000", "1", "0", "imu_link"]
+
+
+def test_export_overwrites_nothing(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "--csv", str(path)]) == 0
+    assert main(["export", "--csv", str(path)]) == 2
+    assert "File exists" in capsys.readouterr().err

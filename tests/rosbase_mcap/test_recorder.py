@@ -1,0 +1,183 @@
+"""The thread that writes, with disks that take everything, too little, or nothing."""
+
+import errno
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+
+from rosbase import make_logger
+from rosbase_mcap.backlog import Item
+from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.file_sink import FACTS, FileSink
+from rosbase_mcap.output_file import OutputFile
+from rosbase_mcap.reading import contents, messages
+from rosbase_mcap.recorder import LOSSES, Recorder
+from rosbase_mcap.records import Metadata
+from rosbase_mcap.recovery import is_complete
+from rosbase_mcap.splitting import Split
+from support.waiting import wait_until
+
+NO_METADATA: dict[str, str] = {}
+
+
+class Listed:
+    """A sink that keeps everything, or takes nothing."""
+
+    def __init__(self, *, is_full: bool = False) -> None:
+        self.items: list[Item] = []
+        self.notes: list[Metadata] = []
+        self.ends: list[str] = []
+        self.is_full = is_full
+
+    def add(self, items: Iterable[Item]) -> None:
+        if self.is_full and (items := list(items)):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.items += items
+
+    def flush(self) -> None:
+        pass
+
+    def note(self, metadata: Metadata) -> None:
+        self.notes.append(metadata)
+
+    def close(self) -> None:
+        self.ends.append("close")
+
+    def abandon(self) -> None:
+        self.ends.append("abandon")
+
+
+def test_what_was_recorded_before_the_stop_is_written() -> None:
+    sink = Listed()
+    recorder = Recorder(sink, ChannelTable(), make_logger("test"))
+    record = recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)
+    recorder.start()
+    for number in range(10):
+        record(number, number, b"x")
+    recorder.stop()
+    assert [item[:3] for item in sink.items] == [(0, number, number) for number in range(10)]
+    assert sink.ends == ["close"]
+    assert recorder.dropped == 0
+
+
+def test_a_recording_that_was_never_started_has_an_end_too() -> None:
+    sink = Listed()
+    recorder = Recorder(sink, ChannelTable(), make_logger("test"))
+    recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)(-5, 1, b"x")
+    recorder.stop()
+    recorder.stop()
+    assert sink.items == [(0, 0, 0, 1, b"x")]
+    assert sink.ends == ["close"]
+
+
+def test_a_full_disk_ends_the_recording_with_one_line_and_the_program_goes_on(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    sink = Listed(is_full=True)
+    recorder = Recorder(sink, ChannelTable(), make_logger("test"))
+    record = recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)
+    record(1, 1, b"x")
+    recorder.start()
+    wait_until(lambda: recorder.is_broken, "the end of the recording")
+    for number in range(10):
+        record(number, number, b"x")
+    recorder.stop()
+    assert sink.ends == ["abandon"]
+    assert recorder.dropped == 11
+    assert caplog.text.count("No space left") == 1
+
+
+def test_dropped_messages_are_counted_in_the_log_and_in_the_file(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    sink = Listed()
+    recorder = Recorder(sink, ChannelTable(), make_logger("test"), most_bytes=1000)
+    record = recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)
+    for number in range(10):
+        record(number, number, b"x" * 100)
+    recorder.start()
+    recorder.stop()
+    assert recorder.dropped == 7
+    assert sink.notes == [Metadata(LOSSES, {"messages": "7"})]
+    assert "7 messages are missing" in caplog.text
+
+
+def test_a_file_is_split_by_size_and_each_part_opens_by_itself(tmp_path: Path) -> None:
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {"python": "3.11"}, split=Split(bytes=1500))
+    for stamp in range(5):
+        sink.add([(number, stamp, stamp, stamp, b"x" * 1000)])
+        sink.flush()
+    sink.close()
+    paths = sorted(tmp_path.iterdir())
+    assert [path.name for path in paths] == ["run.mcap", "run_1.mcap", "run_2.mcap"]
+    found = []
+    for part, path in enumerate(paths):
+        with path.open("rb") as stream:
+            assert is_complete(stream)
+            found += [entry.message.log_ns for entry in messages(stream)]
+            notes = [one for one in contents(stream) if isinstance(one, Metadata)]
+        assert notes == [Metadata(FACTS, {"python": "3.11", "part": str(part)})]
+    assert found == [0, 1, 2, 3, 4]
+
+
+def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = OutputFile.write
+
+    def write(file: OutputFile, data: bytes) -> None:
+        if len(data) > 5000:
+            file._file.write(data[:4000])
+            raise OSError(errno.ENOSPC, "No space left on device")
+        plain(file, data)
+
+    monkeypatch.setattr(OutputFile, "write", write)
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    sink.add([(number, 0, 1, 1, b"x" * 100)])
+    sink.flush()
+    sink.add([(number, 1, 2, 2, b"y" * 10_000)])
+    with pytest.raises(OSError, match="No space"):
+        sink.flush()
+    sink.abandon()
+    with (tmp_path / "run.mcap").open("rb") as stream:
+        assert is_complete(stream)
+        assert [entry.message.log_ns for entry in messages(stream)] == [1]
+
+
+def test_a_full_disk_without_room_for_the_end_costs_the_last_chunk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = OutputFile.write
+
+    def write(file: OutputFile, data: bytes) -> None:
+        room = 60_000 - file.size_bytes
+        if len(data) > room:
+            file._file.write(data[:room])
+            raise OSError(errno.ENOSPC, "No space left on device")
+        plain(file, data)
+
+    monkeypatch.setattr(OutputFile, "write", write)
+    table = ChannelTable()
+    number = table.add("/a", "std_msgs/msg/String", "string data", {})
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    for stamp in (1, 2, 3):
+        # The third fills the disk up to some bytes.
+        sink.add([(number, stamp, stamp, stamp, b"x" * (19_700 if stamp < 3 else 19_900))])
+        sink.flush()
+    with pytest.raises(OSError, match="No space"):
+        sink.close()
+    sink.abandon()
+    with (tmp_path / "run.mcap").open("rb") as stream:
+        assert is_complete(stream)
+        assert [entry.message.log_ns for entry in messages(stream)] == [1, 2]
+
+
+def test_a_recording_is_never_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_text("precious")
+    with pytest.raises(FileExistsError):
+        FileSink(path, ChannelTable(), {})
+    assert path.read_text() == "precious"
