@@ -29,7 +29,7 @@ from rosbase_view.recorded.source import RecordedSource
 from support.made_recording import MadeRecording
 
 source = RecordedSource(MadeRecording({COUNT}))
-raise SystemExit(run(source, Options("foxglove", "day.mcap", "127.0.0.1", 0, None)))
+raise SystemExit(run(source, Options(view="foxglove", name="day.mcap", host="127.0.0.1", port=0)))
 """
 
 

@@ -46,8 +46,8 @@ def write(path: Path, **options: Any) -> Path:
         other = writer.register_schema("Thing", "jsonschema", b"{}")
         thing = writer.register_channel("/thing", "json", other)
         writer.add_message(thing, BEGIN_NS, b"{}", BEGIN_NS)
-        for topic, stamp_ns, data in messages:
-            writer.add_message(channels[topic], stamp_ns, data, stamp_ns)
+        for one in messages:
+            writer.add_message(channels[one.topic], one.stamp_ns, one.data, one.stamp_ns)
         writer.finish()
     return path
 
