@@ -134,7 +134,9 @@ def test_without_a_terminal_it_says_so_in_one_line(robots: Robots) -> None:
 
 
 def test_the_command_explains_itself(robots: Robots) -> None:
-    assert "a program, or the pid of its process" in " ".join(run_both("view", "--help")[0].split())
+    assert "a program, or the pid of its process, with" in " ".join(
+        run_both("view", "--help")[0].split()
+    )
 
 
 def screen(tmux: OwnTmux) -> str:

@@ -80,10 +80,9 @@ class Known:
         """Return the time of the topics: that of the recording, or the monotonic one."""
         return now_ns if self.position is None else self.position.now_ns
 
-    def move(self, position: Position) -> None:
-        """Take the position of a recording."""
-        if self.position is not None and position.now_ns < self.position.now_ns:
-            # What was counted is of a time that is yet to come.
+    def move(self, position: Position, *, is_jump: bool = False) -> None:
+        """Take the position of a recording; what was counted before a jump counts no more."""
+        if is_jump or (self.position is not None and position.now_ns < self.position.now_ns):
             for topic in self.topics.values():
                 topic.restart()
         self.position = position

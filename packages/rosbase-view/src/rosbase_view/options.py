@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         metavar="NAME",
-        help="a program, or the pid of its process; with its child processes (default: all)",
+        help="a program, or the pid of its process, with its child processes (default: all); or a"
+        " recording, such as field.mcap",
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(

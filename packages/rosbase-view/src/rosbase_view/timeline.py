@@ -13,7 +13,7 @@ from rosbase_view.source import Playback
 
 __all__ = ["HINTS", "draw_timeline", "press"]
 
-HINTS = (("space", "play, pause"), (", . < >", "seek"), ("- +", "speed"))
+HINTS = (("space", "play"), (",.<>", "seek"), ("-+", "speed"))
 _NS = 1_000_000_000
 # textual names the keys so.
 _SEEKS_S = {"comma": -5, "full_stop": 5, "less_than_sign": -60, "greater_than_sign": 60}

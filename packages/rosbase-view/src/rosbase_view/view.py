@@ -113,10 +113,12 @@ class View:
     def press_playback(self, key: str, playback: Playback) -> bool:
         """Take a key for the recording; return whether it was one."""
         position = self.known.position
-        moved = None if position is None else press_timeline(key, position, playback)
+        if position is None:
+            return False
+        moved = press_timeline(key, position, playback)
         if moved is not None:
             # The next key may come before the source reports it.
-            self.known.move(moved)
+            self.known.move(moved, is_jump=moved.now_ns != position.now_ns)
         return moved is not None
 
     def draw_heading(self, width: int) -> list[Line]:

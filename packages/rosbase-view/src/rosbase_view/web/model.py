@@ -91,6 +91,8 @@ class Model:
         self._health = Health()
         self._traces: dict[Quantity, Trace] = {}
         self._shown: TopicKey | None = None
+        self._rotation: Rotation | None = None
+        self._heard_ns = 0
 
     def take(self, reports: Iterable[Report], now_ns: int) -> None:
         """Take reports, at a monotonic time."""
@@ -129,16 +131,15 @@ class Model:
         key, node = self._topics.key, self._nodes.key
         state = self.known.topics.get(key) if key is not None else None
         age_ns = None if state is None else state.age_ns(now_ns)
-        is_fresh = age_ns is not None and age_ns <= _FRESH_NS
         # A recording that stands still shows its last message for as long as it does.
-        turned = self._rotation(key) if is_fresh or self.known.position is not None else None
+        is_fresh = now_ns - self._heard_ns <= _FRESH_NS or self.known.position is not None
         row = None if node is None else self.known.nodes.get(node)
         return Picture(
             topics=self._topics.labels,
             topic=self._topics.label,
             nodes=self._nodes.labels,
             node=self._nodes.label,
-            rotation=turned,
+            rotation=self._rotation if is_fresh and state is not None else None,
             is_there=state is not None,
             rate_hz=None if state is None else state.rate_hz(now_ns),
             age_ns=age_ns,
@@ -174,7 +175,7 @@ class Model:
         if key is None or key == self._shown:
             return
         self._shown = key
-        self._traces, self._health = {}, Health()
+        self._traces, self._health, self._rotation = {}, Health(), None
         for end in self.known.topics[key].topic["publishers"]:
             self._nodes.prefer((end["node"], end["pid"]))
 
@@ -201,19 +202,13 @@ class Model:
         if heard.topic not in self._needed():
             # Asked for before the user chose another one.
             return
+        if heard.topic == self._shown and heard.type == IMU:
+            self._rotation, self._heard_ns = rotation(heard.message), now_ns
         if heard.type == health.DIAGNOSTICS:
             self._health.take(heard.message, now_ns)
         elif heard.stamp_ns is not None:
             for quantity, values in quantities(heard.type, heard.message).items():
                 self._traces.setdefault(quantity, Trace()).add(heard.stamp_ns, values)
-
-    def _rotation(self, key: TopicKey | None) -> Rotation | None:
-        heard = self.known.heard.get(key) if key is not None else None
-        try:
-            return None if heard is None or heard.type != IMU else rotation(heard.message)
-        except WireError:
-            # Said when it came.
-            return None
 
     def _offered(self, node: NodeKey) -> Sequence[str]:
         report = self.known.node_reports.get(node)
