@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 from websockets.exceptions import ConnectionClosedError
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
 from support.waiting import wait_until
@@ -47,7 +47,7 @@ class FoxgloveClient:
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffers)
         connection.connect(("127.0.0.1", port))
         self._stack = ExitStack()
-        self._socket: ClientConnection = self._stack.enter_context(
+        self._socket = self._stack.enter_context(
             connect(
                 f"ws://127.0.0.1:{port}",
                 sock=connection,

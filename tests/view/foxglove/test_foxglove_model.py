@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from functools import partial
 from typing import Any
 
 import attrs
@@ -178,7 +179,7 @@ def test_a_worker_does_jobs_in_their_order_and_takes_no_more_than_it_has_room_fo
     failures: list[Exception] = []
     worker = Worker("test", 3, failures.append)
     done: list[int] = []
-    jobs = [worker.add(lambda number=number: done.append(number)) for number in range(5)]
+    jobs = [worker.add(partial(done.append, number)) for number in range(5)]
     assert [job is None for job in jobs] == [False, False, False, True, True]
     assert jobs[0] is not None
     assert not jobs[0].wait(0.0)

@@ -29,7 +29,7 @@ from rosbase_view.recorded.source import RecordedSource
 from support.made_recording import MadeRecording
 
 source = RecordedSource(MadeRecording({COUNT}))
-raise SystemExit(run(source, Options("foxglove", "day.mcap", "127.0.0.1", 0, None)))
+raise SystemExit(run(source, Options(view="foxglove", name="day.mcap", host="127.0.0.1", port=0)))
 """
 
 
@@ -65,6 +65,11 @@ def is_over(client: FoxgloveClient) -> bool:
     return bool(client.playback) and client.playback[-1]["state"] == ENDED
 
 
+def is_complete(client: FoxgloveClient) -> bool:
+    """The SDK sends states before messages that wait."""
+    return is_over(client) and numbers(client)[-1:] == [COUNT - 1]
+
+
 def at(number: int) -> int:
     return BEGIN_NS + number * STEP_NS
 
@@ -85,7 +90,7 @@ def test_it_begins_when_a_client_listens_and_ends_at_its_end(client: FoxgloveCli
     assert set(client.times) == {at(0)}
     client.subscribe("/imu/data")
     client.subscribe("/model")
-    client.until(lambda: is_over(client), "the end")
+    client.until(lambda: is_complete(client), "the end")
     assert numbers(client) == list(range(COUNT))
     assert [one.stamp_ns for one in client.of("/imu/data")] == [at(n) for n in range(COUNT)]
     assert deserialize(client.of("/model")[0].data, String).data == "a board"
@@ -106,7 +111,7 @@ def test_pause_speed_and_jump(client: FoxgloveClient) -> None:
     assert (answer["state"], answer["now_ns"], answer["did_seek"]) == (PAUSED, at(200), True)
     client.until(lambda: client.times[-1] == at(200), "the time")
     client.control(plays=True, speed=2.0)
-    client.until(lambda: is_over(client), "the end")
+    client.until(lambda: is_complete(client), "the end")
     assert client.playback[-1]["speed"] == 2.0
     found = numbers(client)
     assert found[found.index(199) :] == list(range(199, COUNT))
