@@ -29,6 +29,6 @@ def test_a_program_that_does_not_run_is_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with robots_in(tmp_path, monkeypatch):
-        err = run_both("view", "--web", "0", "nobody", status=2)[1]
+        err = run_both("view", "--web", "0", "nobody", status=1)[1]
     assert err.count("\n") == 1
     assert "nobody" in err

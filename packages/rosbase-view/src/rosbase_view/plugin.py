@@ -23,5 +23,5 @@ def _run(arguments: Any) -> int:
 
 @hookimpl
 def rosbase_commands() -> Iterable[CommandPlugin]:
-    """Register the view in a terminal."""
-    yield CommandPlugin("view", "look at running programs in a terminal", _configure, _run)
+    """Register the views."""
+    yield CommandPlugin("view", "see running programs, or a recording", _configure, _run)

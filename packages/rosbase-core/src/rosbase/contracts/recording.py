@@ -31,7 +31,7 @@ def _texts(values: Iterable[str]) -> tuple[str, ...]:
 
 @frozen
 class RecordOptions:
-    """What to record of a program, and where to."""
+    """The topics of a program to record, and the file."""
 
     path: Path = field(converter=Path)
     """The file. Its suffix chooses the recorder: `.mcap` is that of rosbase-mcap."""

@@ -23,7 +23,7 @@ class Bus:
     def __init__(self, backend: str, network: str, pids: Iterable[int]) -> None:
         self.backend = backend
         self.network = network
-        """What the backend calls its network, for `ros2` the domain; empty if it has none."""
+        """The name of the network, for `ros2` the domain; empty if the backend has none."""
         self.pids = frozenset(pids)
 
 
