@@ -20,7 +20,6 @@ import joystick  # noqa: E402 - found on the path of the example
 import legs  # noqa: E402 - found on the path of the example
 from manager import QuadrupedManager  # noqa: E402 - found on the path of the example
 from planner import Planner  # noqa: E402 - found on the path of the example
-
 from rosbase import ImuReader, State  # noqa: E402 - behind the path, as the rest
 from rosbase.messages import Imu, Joy  # noqa: E402 - behind the path, as the rest
 
