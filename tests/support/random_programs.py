@@ -137,8 +137,10 @@ def changed_programs(draw: st.DrawFn, ticks: int = 20) -> tuple[RandomProgram, R
     """Draw a program, and one that differs in what it publishes in each tick."""
     program: RandomProgram = draw(random_programs(ticks))
     value = draw(st.integers(1, 9))
-    said = Act("publish", 0, value), Act("publish", 0, -value)
-    both = [attrs.evolve(program, on_tick=(*program.on_tick, act)) for act in said]
+    # A topic of its own, so that no other message takes its place in a queue.
+    topics = (*program.topics, Topic(1000, is_latched=False, is_reliable=True, on_message=()))
+    said = [Act("publish", len(program.topics), one) for one in (value, -value)]
+    both = [attrs.evolve(program, topics=topics, on_tick=(*program.on_tick, act)) for act in said]
     return both[0], both[1]
 
 
