@@ -26,6 +26,8 @@ DISTRIBUTIONS = {
     "imu-serial": (["rosbase-core", "imu-serial"], "tests/imu_serial"),
     "imu-mqtt": (["rosbase-core", "imu-mqtt"], "tests/imu_mqtt"),
     "rosbase-mcap": (["rosbase-core", "rosbase-mcap"], "tests/rosbase_mcap"),
+    # Recordings are viewed too.
+    "rosbase-view": (["rosbase-core", "rosbase-mcap", "rosbase-view"], "tests/view"),
 }
 # Tests that often keep a processor busy. The others mostly wait: for time, brokers and processes.
 BUSY = {"tests/ros2"}
@@ -34,7 +36,11 @@ FEW_FAILURES = 3
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
-EXTRAS = {"imu-mqtt": "[broker]"}
+EXTRAS = {"imu-mqtt": "[broker]", "rosbase-view": "[foxglove,web]"}
+# Pictures of the view depend on the version.
+PINS = {"rosbase-view": ["rich==14.3.4", "textual==8.2.8"]}
+# A client of Foxglove's protocol that is not the SDK's own.
+SOCKETS = "websockets>=15"
 TEST_TOOLS = ["hypothesis>=6.100", "pytest>=8", "pytest-timeout>=2.3", "pytest-xdist>=3.6"]
 # Shows what a command has written to a terminal.
 TERMINAL = "pyte>=0.8"
@@ -145,7 +151,11 @@ def tests(session: nox.Session, distribution: str) -> None:
     session.install("numpy", "transforms3d>=0.4.2", *TEST_TOOLS)
     if distribution == "rosbase-mcap":
         session.install(*MCAP_ORACLES)
+    if distribution == "rosbase-view":
+        session.install(SOCKETS, *MCAP_ORACLES)
     _install(session, *names)
+    if pins := PINS.get(distribution):
+        session.install(*pins)
     _test_on_each(session, folder)
 
 
@@ -231,7 +241,7 @@ def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
     # It checks for the oldest Python, which has no `tomllib`.
     session.install("mypy==2.4.1", "nox", "numpy", "tomli>=2", "types-pyserial")
-    session.install(TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
+    session.install(SOCKETS, TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in (
@@ -239,6 +249,7 @@ def typing(session: nox.Session) -> None:
         "imu_serial",
         "imu_mqtt",
         "rosbase_mcap",
+        "view",
         "ros2",
         "integration",
         "docs",

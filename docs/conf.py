@@ -2,6 +2,7 @@
 
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from generators import (
     roles,
     search,
     values,
+    view,
     widths,
 )
 
@@ -74,7 +76,7 @@ nitpick_ignore_regex = [
     (r"py:.*", r"[\w.]+[a-z]T(_co|_contra)?"),
 ]
 
-GENERATED = {
+GENERATED: dict[str, Callable[[], str]] = {
     "capabilities": lambda: capabilities.tables(installed_plugins()),
     "conformance": conformance.tables,
     "demo": demo.pictures,
@@ -84,6 +86,7 @@ GENERATED = {
     "public names": public.tables,
     "reasons": reasons.reasons,
     "roles": roles.diagram,
+    "view": view.picture,
 }
 
 

@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from rosbase.control.answers import lookup
-from rosbase.control.buses import buses, observers, on_several
+from rosbase.control.buses import buses, observers, on_several, with_children
+from rosbase.control.joined_topics import joined_topics
 from rosbase.control.names import full_type, is_hidden, one_of, similar, unknown
 from rosbase.control.programs import RunningNode
 from rosbase.errors import ControlError
@@ -45,6 +46,32 @@ def test_programs_on_local_are_alone_and_those_on_ros_are_joined() -> None:
         ("local", frozenset({2})),
         ("ros2", frozenset({3, 4})),
     }
+
+
+def test_a_process_is_listed_with_all_that_descend_from_it() -> None:
+    launcher = process(1, None, 2, 9, kind="launcher")
+    processes = [launcher, process(2, "local", 3), process(3, "local"), process(4, "local")]
+    assert [p["pid"] for p in with_children(launcher, processes)] == [1, 2, 3]
+    assert [p["pid"] for p in with_children(processes[3], processes)] == [4]
+
+
+def test_children_in_a_circle_are_listed_once() -> None:
+    circle = [process(1, "local", 2), process(2, "local", 1)]
+    assert [p["pid"] for p in with_children(circle[0], circle)] == [1, 2]
+
+
+def test_topics_of_several_programs_are_joined_in_each_group() -> None:
+    def told(kind: str, end: str) -> Any:
+        ends = {"publishers": [], "subscriptions": [], end: [{"node": "/n"}]}
+        return {"name": "/x", "type": kind, **ends}
+
+    answers = [(1, [told("A", "publishers")]), (2, [told("B", "subscriptions")]), (7, [])]
+    ((key, joined),) = joined_topics(answers).items()
+    assert key == ("/x", 0)
+    assert joined["types"] == ["A", "B"]
+    assert joined["publishers"] == [{"node": "/n", "pid": 1}]
+    assert joined["subscriptions"] == [{"node": "/n", "pid": 2}]
+    assert list(joined_topics(answers, lambda pid: pid)) == [("/x", 1), ("/x", 2)]
 
 
 def test_programs_in_two_ros_domains_are_not_joined() -> None:

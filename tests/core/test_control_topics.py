@@ -1,9 +1,11 @@
 """Topics and services over the control socket: what is told, heard, counted, published, called."""
 
+import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,6 +15,7 @@ from rosbase import BaseHandlers, BaseManager, BaseNode, LifecycleNode, LocalBac
 from rosbase.contracts.backend import BackendOptions
 from rosbase.control.answers.backlog import MOST_BYTES
 from rosbase.control.answers.topic_count import TopicCount
+from rosbase.control.answers.topic_counts import TopicCounts
 from rosbase.control.answers.topic_echo import TopicEcho
 from rosbase.local import Bus
 from rosbase.messages import (
@@ -571,6 +574,70 @@ def test_a_client_that_does_not_read_costs_a_count_no_memory_and_no_message() ->
     assert facts["n"] == facts["window"]["count"] == 150_000
     stream.close()
     topic.backend.close()
+
+
+def counting_all(*names: str) -> tuple[TopicCounts, FakeTopic, list[int]]:
+    """A count of several topics in virtual time."""
+    now_ns, topic = [0], FakeTopic()
+    topics: Any = [SimpleNamespace(name=n, type_name="x/Y", backend=topic.backend) for n in names]
+    return TopicCounts(topics, 10**9, lambda: now_ns[0]), topic, now_ns
+
+
+def facts_of(stream: TopicCounts) -> Any:
+    """The next event, from its text."""
+    text, data = stream.take() or ("", b"no event")
+    assert data == b""
+    return json.loads(text)
+
+
+def test_one_stream_counts_many_topics_and_tells_of_those_with_messages() -> None:
+    stream, topic, now_ns = counting_all("/imu", "/silent")
+    assert stream.ok == {"topics": {"/imu": "x/Y", "/silent": "x/Y"}}
+    for time_ns in (0, 100_000_000, 600_000_000):
+        now_ns[0] = time_ns
+        topic.publisher.publish(Imu())
+    assert stream.take() is None
+    now_ns[0] = 10**9
+    counts = {"/imu": {"count": 3, "age_ns": 400_000_000}}
+    assert facts_of(stream) == {"seconds": 1.0, "topics": counts}
+    assert stream.take() is None
+    # Late, and without a message; the events keep their rhythm.
+    now_ns[0] = 3_500_000_000
+    assert facts_of(stream) == {"seconds": 2.5, "topics": {}}
+    assert stream.due_ns == 4_000_000_000
+    stream.close()
+    topic.publisher.publish(Imu())
+    assert stream._topics[0].take(now_ns[0]) == ""
+    topic.backend.close()
+
+
+def test_a_client_that_does_not_read_costs_the_count_of_many_topics_no_memory() -> None:
+    stream, topic, now_ns = counting_all("/imu")
+    for _ in range(10_000):
+        topic.publisher.publish(Imu())
+    assert len(stream._topics[0]._newest) == 2
+    now_ns[0] = 10**9
+    assert facts_of(stream)["topics"]["/imu"]["count"] == 10_000
+    stream.close()
+    topic.backend.close()
+
+
+def test_many_topics_are_counted_on_one_connection(app: BaseManager) -> None:
+    def questions(client: Asker) -> None:
+        publisher: Any = robot(app).imu
+        wanted = {"topics": ["/imu/data", "/nobody"], "every_ns": 20_000_000}
+        with streaming(client, "topic.count", **wanted) as (number, ok):
+            assert ok == {"topics": {"/imu/data": "sensor_msgs/msg/Imu"}}
+            for _ in range(7):
+                publisher.publish(Imu())
+            total = 0
+            while total < 7:
+                facts, _ = event(client, number)
+                total += facts["topics"].get("/imu/data", {"count": 0})["count"]
+            assert total == 7
+            end(client, number)
+
+    ask(app, questions)
 
 
 # Publishing.

@@ -175,6 +175,11 @@ def test_a_conversion_is_listed_without_being_made(
             "ros2",
             f"backend 'ros2' needs the package rosbase-ros2; {how_to_install('rosbase-ros2')}",
         ),
+        (
+            "command",
+            "view",
+            f"command 'view' needs the package rosbase-view; {how_to_install('rosbase-view')}",
+        ),
         ("transport", "cam", "no transport 'cam'; installed: can; did you mean 'can'?"),
         ("preset", "x", "no preset 'x'; installed: none"),
     ],

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 import rosbase
-from generators import demo, facts, pictures, roles, terminal
+from generators import demo, facts, pictures, roles, terminal, view
 from rosbase.plugins import installed_plugins
 from rosbase.text.toml import parse_toml
 from support.code_blocks import PAGES, ROOT, blocks_of
@@ -68,6 +68,19 @@ def test_a_page_has_the_demo_for_wide_windows_and_for_narrow_ones() -> None:
     assert "\n\n" not in wide + narrow
 
 
+def test_the_front_page_shows_the_view_of_a_simulated_imu() -> None:
+    assert "<!-- generated: view -->" in FRONT
+    picture = view.picture()
+    rows = texts(picture)
+    assert rows[0].startswith("[1 topics]")
+    assert any("/imu/data" in row and " Hz" in row for row in rows)
+    assert any(row.startswith("roll ") for row in rows)
+    # The board is drawn with dots.
+    assert picture.count("<path") > 20
+    assert "q quit" in rows[-1]
+    assert "\n\n" not in picture
+
+
 def test_the_roles_of_the_readme_are_those_of_the_site() -> None:
     assert ROLES.read_text() == roles.picture(), ANEW
 
@@ -105,6 +118,19 @@ def test_colours_and_bars_of_a_terminal_are_drawn() -> None:
     assert picture.count("<rect") == 4
     assert picture.count('fill="#4cc2d6"') == 3
     assert re.search(r'fill="#8b95a5">grey<', picture)
+
+
+def test_sparklines_dots_rules_and_chosen_rows_of_a_terminal_are_drawn() -> None:
+    picture = drawn("▁▇ ⠁ ───\\n\\033[7mchosen\\033[0m")
+    assert texts(picture) == ["chosen"]
+    heights = [
+        float(height)
+        for height in re.findall(r'width="8.45" height="([\d.]+)" fill="#d4dae3"', picture)
+    ]
+    assert heights == [2.4, 16.6]
+    assert picture.count("<path") == 1
+    assert 'height="1.0"' in picture
+    assert re.search(r'fill="#171a21">chosen<', picture)
 
 
 def test_markup_that_a_command_writes_is_text() -> None:

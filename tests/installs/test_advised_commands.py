@@ -130,6 +130,13 @@ def test_the_broker_of_the_message_is_the_one_of_the_extra() -> None:
     assert f"pip install '{broker}'" in commands_of_sources()
 
 
+def test_the_libraries_of_the_messages_are_those_of_the_extras_of_the_view() -> None:
+    project = parse_toml((ROOT / "packages/rosbase-view/pyproject.toml").read_text())["project"]
+    advised = commands_of_sources()
+    for (needed,) in project["optional-dependencies"].values():
+        assert f"pip install '{needed}'" in advised
+
+
 def test_the_template_says_what_its_page_says() -> None:
     said = (ROOT / "docs/template/copier.yml").read_text()
     rendered = said.replace("{{ _copier_conf.dst_path }}", "../imu-tcp")

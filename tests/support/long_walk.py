@@ -20,12 +20,10 @@ import joystick  # noqa: E402 - found on the path of the example
 import legs  # noqa: E402 - found on the path of the example
 from manager import QuadrupedManager  # noqa: E402 - found on the path of the example
 from planner import Planner  # noqa: E402 - found on the path of the example
-
-from rosbase import ImuReader  # noqa: E402 - behind the path, as the rest
+from rosbase import ImuReader, State  # noqa: E402 - behind the path, as the rest
 from rosbase.messages import Imu, Joy  # noqa: E402 - behind the path, as the rest
 
 RATE_HZ = 200
-IMU_REST_PLAYS = 2 * RATE_HZ
 TWIST_PLAYS = 11 * RATE_HZ
 for module in (bridge, joystick, legs):
     module.PERIOD_S = 1 / RATE_HZ
@@ -77,8 +75,7 @@ class Ears(bridge.Bridge):
         super().__init__(manager, **kwargs)
         self.heard = 0
         self.create_subscription(Imu, "imu/data", self.on_imu)
-        self.create_timer(29.0, self.rest)
-        self.create_timer(31.0, self.wake_up)
+        self.create_timer(30.0, self.rest_or_wake_up)
 
     def on_imu(self, message: Imu) -> None:
         """Called with a measurement of the real device."""
@@ -86,13 +83,13 @@ class Ears(bridge.Bridge):
         if self.heard % 1000 == 0:
             self.logger.info(f"heard {self.heard}: {message.angular_velocity.z!r}")
 
-    def rest(self) -> None:
+    def rest_or_wake_up(self) -> None:
         """Called by a timer."""
-        self.manager.node(ImuReader).trigger_deactivate()
-
-    def wake_up(self) -> None:
-        """Called by a timer."""
-        self.manager.node(ImuReader).trigger_activate()
+        imu = self.manager.node(ImuReader)
+        if imu.get_state() is State.ACTIVE:
+            imu.trigger_deactivate()
+        else:
+            imu.trigger_activate()
 
 
 class LongWalk(QuadrupedManager):

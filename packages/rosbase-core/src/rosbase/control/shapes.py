@@ -66,6 +66,8 @@ class Process(TypedDict):
     memory_bytes: int
     threads: int
     programs: list[Program]
+    clients: int
+    dropped: int
 
 
 class Node(TypedDict):

@@ -10,6 +10,7 @@ OURS = {
     ("check", "mqtt"): "imu-mqtt",
     ("check", "ros2"): "rosbase-ros2",
     ("check", "serial"): "imu-serial",
+    ("command", "view"): "rosbase-view",
     ("recorder", "mcap"): "rosbase-mcap",
     ("transport", "mqtt"): "imu-mqtt",
     ("transport", "serial"): "imu-serial",

@@ -16,6 +16,7 @@ __all__ = [
     "find_class",
     "find_service",
     "find_topic",
+    "find_topics",
     "format_facts",
     "format_of",
     "program_for",
@@ -56,21 +57,37 @@ def find_topic(name: str) -> FoundTopic:
     Raises:
         ControlError: There is none.
     """
-    found: list[tuple[bool, Program, Backend, TopicEnd]] = []
-    known: dict[str, None] = {}
-    for program, backend, graph in all_graphs():
-        for ends in (graph.publishers, graph.subscriptions):
-            known |= dict.fromkeys(end.name for end in ends)
-            found += [
-                (ends is graph.subscriptions, program, backend, end)
-                for end in ends
-                if end.name in (name, f"/{name}")
-            ]
+    known = _all_ends()
+    found = known.get(name) or known.get(f"/{name}")
     if not found:
         raise _unknown("topic", name, known)
+    return _found(found)
+
+
+def find_topics(names: Iterable[str]) -> list[FoundTopic]:
+    """Return the topics of these names, as `find_topic` does; a name that has none is left out."""
+    known = _all_ends()
+    return [_found(known[name]) for name in names if name in known]
+
+
+_Ends = list[tuple[bool, Program, Backend, TopicEnd]]
+
+
+def _all_ends() -> dict[str, _Ends]:
+    """Return the ends of each topic, with whether they are subscriptions."""
+    known: dict[str, _Ends] = {}
+    for program, backend, graph in all_graphs():
+        for ends in (graph.publishers, graph.subscriptions):
+            for end in ends:
+                found = (ends is graph.subscriptions, program, backend, end)
+                known.setdefault(end.name, []).append(found)
+    return known
+
+
+def _found(ends: _Ends) -> FoundTopic:
     # Not the first by chance: another one may know the class.
-    _, program, backend, end = min(found, key=lambda one: one[0])
-    kinds = [one[3].msg_type for one in found if one[2] is backend]
+    _, program, backend, end = min(ends, key=lambda one: one[0])
+    kinds = [one[3].msg_type for one in ends if one[2] is backend]
     kind = next((kind for kind in kinds if kind is not None), None)
     return FoundTopic(end.name, end.type_name, kind, program, backend)
 

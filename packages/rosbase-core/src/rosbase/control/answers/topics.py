@@ -7,10 +7,12 @@ from rosbase.control.answers.ends import (
     all_graphs,
     find_class,
     find_topic,
+    find_topics,
     format_facts,
     format_of,
 )
 from rosbase.control.answers.topic_count import TopicCount
+from rosbase.control.answers.topic_counts import TopicCounts
 from rosbase.control.answers.topic_echo import TopicEcho
 from rosbase.control.answers.topic_publish import publish
 from rosbase.control.requests import Answerer, Request
@@ -84,7 +86,11 @@ def _echo(session: Session, request: Request) -> TopicEcho:
     return stream
 
 
-def _count(session: Session, request: Request) -> TopicCount:
+def _count(session: Session, request: Request) -> TopicCount | TopicCounts:
+    names = request.texts("topics")
+    if names is not None:
+        every_ns = request.whole("every_ns", _EVERY_NS, _LEAST_EVERY_NS)
+        return TopicCounts(find_topics(names), every_ns, session.now_ns)
     topic = find_topic(request.text("topic"))
     wanted = set(request.texts("with") or ["interval"])
     if wrong := wanted - {"interval", "bytes", "delay"}:

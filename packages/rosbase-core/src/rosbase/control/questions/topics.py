@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosbase.control.gathering import ask_one
+from rosbase.control.joined_topics import joined_topics
 from rosbase.control.questions.base import Questions, label
 from rosbase.errors import ControlError
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rosbase.control.buses import Bus
-    from rosbase.control.shapes import Count, Endpoint, Process, Topic
+    from rosbase.control.shapes import Count, Process, Topic
     from rosbase.control.watching import Heard, Watch
 
 __all__ = ["TopicQuestions"]
@@ -23,18 +24,8 @@ class TopicQuestions(Questions):
 
     def topics(self) -> list[Topic]:
         """Return the topics of all programs, by name, each with its ends in all of them."""
-        found: dict[str, Topic] = {}
-        for pid, answer in self._gather("topic.list"):
-            for one in answer["topics"]:
-                topic = found.setdefault(
-                    one["name"],
-                    {"name": one["name"], "types": [], "publishers": [], "subscriptions": []},
-                )
-                if one["type"] not in topic["types"]:
-                    topic["types"].append(one["type"])
-                topic["publishers"] += _with_pid(one["publishers"], pid)
-                topic["subscriptions"] += _with_pid(one["subscriptions"], pid)
-        return [found[name] for name in sorted(found)]
+        found = [(pid, answer["topics"]) for pid, answer in self._gather("topic.list")]
+        return list(joined_topics(found).values())
 
     def topic(self, name: str) -> Topic:
         """Return a topic; the slash in front may be left out.
@@ -146,12 +137,6 @@ class TopicQuestions(Questions):
             name, pid = topic["name"], [*topic["publishers"], *topic["subscriptions"]][0]["pid"]
         answer: dict[str, Any] = ask_one(pid, "topic.type", {"topic": name})[0]
         return answer
-
-
-def _with_pid(ends: list[Any], pid: int) -> list[Endpoint]:
-    for end in ends:
-        end["pid"] = pid
-    return ends
 
 
 def _several(topic: Topic, processes: list[Process], pids: list[int]) -> ControlError:

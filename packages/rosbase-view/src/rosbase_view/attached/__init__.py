@@ -1,0 +1,1 @@
+"""The source of running programs: attached to their control sockets."""

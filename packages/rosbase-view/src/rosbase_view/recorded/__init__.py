@@ -1,0 +1,1 @@
+"""The source of a recording: what plays it, and how it is read."""

@@ -1,0 +1,1 @@
+"""The view on textual: widgets that show the lines of the model, and keys."""
