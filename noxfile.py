@@ -354,6 +354,16 @@ def replays(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def hour(session: nox.Session) -> None:
+    """An hour of a robot at 200 Hz, recorded in real time and replayed twenty times: two hours."""
+    session.install(*TEST_TOOLS)
+    _install(session, *DISTRIBUTIONS)
+    runs = {"ROSBASE_REPLAY_SECONDS": "3600", "ROSBASE_REPLAY_COUNT": "20"}
+    test = "tests/integration/test_replays.py"
+    session.run("pytest", "-q", "-s", test, *session.posargs, env=runs)
+
+
+@nox.session(default=False)
 def signals(session: nox.Session) -> None:
     """Two hundred programs, with two or three signals each at random moments: some ten minutes."""
     session.install(*TEST_TOOLS)

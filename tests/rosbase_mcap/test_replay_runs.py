@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 
 from rosbase import BaseManager, BaseNode, ConfigurationError, LifecycleNode, RecordOptions
+from rosbase.entries.script import read_entries
 from rosbase.messages import Vector3
 from rosbase_mcap import replay
+from rosbase_mcap.outputs import Output
 from rosbase_mcap.replaying.options import ReplayOptions
 from rosbase_mcap.replaying.run_file import open_run
 from rosbase_mcap.replaying.session import Session
@@ -202,16 +204,22 @@ def test_topics_that_were_not_recorded_are_not_compared(
     assert replay(path, replayed).difference == ""
 
 
-@pytest.mark.parametrize("end_s", [0.05, 0.1])
-def test_a_replay_ends_where_it_is_told_to(end_s: float, path: Path) -> None:
-    heard: list[int] = []
-    options = ReplayOptions(path, rate=None, end_ns=int(end_s * 1e9), checks=True)
-    session = Session(options, lambda output: heard.append(output.log_ns))
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
+def test_a_replay_ends_with_the_last_entry_that_began_in_time(share: float, path: Path) -> None:
+    found = open_run(path)
+    assert found is not None
+    entries, outputs = list(read_entries(found.blocks())), list(found.outputs())
+    end_ns = entries[int(len(entries) * share)].t_ns
+    last = [entry for entry in entries if entry.t_ns <= end_ns][-1]
+    heard: list[Output] = []
+    options = ReplayOptions(path, rate=None, end_ns=end_ns, checks=True)
+    session = Session(options, heard.append)
     with session.conducting():
         replayed()
-    outcome = session.outcome
-    assert (outcome.difference, outcome.cut_short) == (None, "")
-    assert (max(heard) - session.start_ns) / 1e9 < end_s + 0.001
+    assert (session.outcome.difference, session.outcome.cut_short) == (None, "")
+    in_time = [one for one in outputs if one.number <= last.number]
+    assert [(one.number, one.topic) for one in heard] == [(o.number, o.topic) for o in in_time]
+    assert len(in_time) < len(outputs)
 
 
 def test_only_chosen_topics_are_kept_in_memory(path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Protocol
 from rosbase import RosbaseLogger, SystemClock, background_thread
 from rosbase_mcap.backlog import Backlog, Item
 from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.recorded_run import RecordedRun
 from rosbase_mcap.records import Attachment, Metadata
 
@@ -194,7 +195,8 @@ class Recorder:
             if block is not None:
                 self._sink.attach(block)
             self._sink.flush()
-        except OSError as error:
+        except Exception as error:
+            # Any: what waits must go, or it would fill the memory.
             self._break(error)
             self._unwritten += len(items)
 
@@ -207,13 +209,17 @@ class Recorder:
             if self._run is not None:
                 self._sink.note(self._run.end())
             self._sink.close()
-        except OSError as error:
+        except Exception as error:
             self._break(error)
 
-    def _break(self, error: OSError) -> None:
+    def _break(self, error: Exception) -> None:
         self._is_broken = True
         self._sink.abandon()
-        self._logger.error(f"the recording ends here, the program goes on: {error}")
+        # A disk explains itself; anything else is a mistake of ours.
+        traceback = None if isinstance(error, (OSError, McapError)) else error
+        self._logger.error(
+            f"the recording ends here, the program goes on: {error}", exc_info=traceback
+        )
 
     def _say_losses(self) -> None:
         # Each time that it has doubled: a few lines, however long it goes on.

@@ -4,6 +4,7 @@
 `rosbase simulate --rate 200`, in another process.
 """
 
+import os
 import random
 import sys
 from argparse import ArgumentParser
@@ -21,7 +22,8 @@ from rosbase import ImuReader, Latest
 from rosbase.messages import Imu, Joy, Twist, Vector3
 
 SEED = 19
-GAIN = 0.1
+# A replay has the arguments of its recording, so what a test changes comes another way.
+GAIN = float(os.environ.get("FIELD_ROBOT_GAIN", "0.1"))
 
 
 class Operator(ScriptedJoystick):
@@ -41,8 +43,8 @@ class Operator(ScriptedJoystick):
 class FieldManager(QuadrupedManager):
     """Walks for some ticks, and steers against what the IMU measures."""
 
-    def __init__(self, ticks: int, gain: float = GAIN, **kwargs: Any) -> None:
-        self.ticks, self.gain = ticks, gain
+    def __init__(self, ticks: int, **kwargs: Any) -> None:
+        self.ticks = ticks
         nodes = {
             "legs": SimulatedLegs,
             "joystick": Operator,
@@ -65,7 +67,7 @@ class FieldManager(QuadrupedManager):
         bridge = self.node(Bridge)
         if self.measured.value is not None:
             now = bridge.velocity
-            turn = now.angular.z - self.gain * self.measured.value.angular_velocity.z
+            turn = now.angular.z - GAIN * self.measured.value.angular_velocity.z
             bridge.command(bridge.gait, Twist(now.linear, Vector3(z=turn)))
         if self.timestamp == self.ticks:
             self.request_stop()
@@ -75,9 +77,7 @@ def main() -> None:
     """Run the robot."""
     parser = ArgumentParser()
     parser.add_argument("--ticks", type=int, default=2000)
-    parser.add_argument("--gain", type=float, default=GAIN)
-    arguments = parser.parse_args()
-    FieldManager(arguments.ticks, arguments.gain).start_main_loop_timer()
+    FieldManager(parser.parse_args().ticks).start_main_loop_timer()
 
 
 if __name__ == "__main__":
