@@ -7,13 +7,12 @@ from typing import Any
 
 from rosbase.contracts.tap import Tap
 from rosbase.control.answers.ends import FoundTopic
+from rosbase.control.json_text import to_json
 from rosbase.control.streams import Stream
 
 __all__ = ["TopicCounts"]
 
 _NS_PER_S = 1_000_000_000
-# Threads that publish at the same moment may note their messages in another order.
-_NEWEST = 8
 
 
 class TopicCounts(Stream):
@@ -40,8 +39,8 @@ class TopicCounts(Stream):
         self._topics = [_Counted(topic, now_ns) for topic in topics]
         self.ok = {"topics": {one.name: one.type_name for one in self._topics}}
 
-    def take(self) -> tuple[dict[str, Any], bytes] | None:
-        """Return the numbers once the period is over."""
+    def take(self) -> tuple[str, bytes] | None:
+        """Return the numbers once the period is over, as JSON: many topics come often."""
         now_ns = self._now_ns()
         assert self.due_ns is not None
         if now_ns < self.due_ns:
@@ -50,12 +49,8 @@ class TopicCounts(Stream):
         self._window_begin_ns = now_ns
         # Late events are left out, not caught up.
         self.due_ns += (1 + (now_ns - self.due_ns) // self._every_ns) * self._every_ns
-        found = {
-            one.name: {"count": number, "age_ns": max(0, now_ns - one.last_ns)}
-            for one in self._topics
-            if (number := one.take())
-        }
-        return {"seconds": round(seconds, 9), "topics": found}, b""
+        found = ",".join([text for one in self._topics if (text := one.take(now_ns))])
+        return f'{{"seconds":{seconds:.9f},"topics":{{{found}}}}}', b""
 
     def close(self) -> None:
         """Count no more."""
@@ -68,11 +63,11 @@ class _Counted:
 
     def __init__(self, topic: FoundTopic, now_ns: Callable[[], int]) -> None:
         self.name, self.type_name = topic.name, topic.type_name
-        self.last_ns = 0
-        """When the last message came that was taken."""
+        self._head = f'{to_json(topic.name)}:{{"count":'
         self._total = 0
-        # Numbers and times of the last messages.
-        self._newest: deque[tuple[int, int]] = deque(maxlen=_NEWEST)
+        # Numbers and times of the last two messages: two threads that publish at the same moment
+        # may note theirs in another order.
+        self._newest: deque[tuple[int, int]] = deque([(0, 0)], maxlen=2)
         append, serial = self._newest.append, count(1).__next__
 
         def note(_message: Any) -> None:
@@ -80,14 +75,11 @@ class _Counted:
 
         self.tap: Tap = topic.backend.add_tap(topic.name, note)
 
-    def take(self) -> int:
-        """Return the number of messages since the last call."""
-        take = self._newest.popleft
-        noted = [take() for _ in range(len(self._newest))]
-        if not noted:
-            return 0
-        total, last_ns = max(noted)
-        number = max(0, total - self._total)
-        self._total += number
-        self.last_ns = max(self.last_ns, last_ns)
-        return number
+    def take(self, now_ns: int) -> str:
+        """Return the facts of the messages since the last call as JSON; empty without any."""
+        total, last_ns = max(self._newest[0], self._newest[-1])
+        number = total - self._total
+        if number <= 0:
+            return ""
+        self._total = total
+        return f'{self._head}{number},"age_ns":{max(0, now_ns - last_ns)}}}'
