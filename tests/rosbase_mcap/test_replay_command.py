@@ -185,6 +185,7 @@ def test_all_inputs_of_a_file_without_any_are_refused(
 ) -> None:
     assert "has messages only" in refused(capsys, bag, "robot.py", "--frames")
     assert "has messages only" in refused(capsys, bag, "robot.py", "--check", "--frames")
+    assert "nothing can be compared" in refused(capsys, bag, "robot.py", "--check")
 
 
 def test_a_file_that_names_no_program_needs_one(

@@ -83,6 +83,22 @@ def test_a_changed_program_is_named_and_its_difference_is_shown(folder: Path) ->
     assert rosbase(folder, "replay", "run.mcap", "robot.py", "--as-fast").returncode == 0
 
 
+@pytest.mark.parametrize(
+    "failure", ["1 / 0", "raise BackendError('no way')"], ids=["of Python", "of rosbase"]
+)
+def test_an_error_that_ended_the_program_ends_it_again_and_all_is_compared(
+    failure: str, tmp_path: Path
+) -> None:
+    failing = PROGRAM.replace("self.request_stop()", failure)
+    (tmp_path / "robot.py").write_text(f"from rosbase import BackendError\n{failing}")
+    first = rosbase(tmp_path, "run", "--record", "run.mcap", "robot.py")
+    error = first.stderr.splitlines()[-1]
+    done = rosbase(tmp_path, "replay", "run.mcap", "--check")
+    assert (first.returncode, done.returncode) == (1, 1)
+    assert done.stderr.splitlines()[-3] == error
+    assert "no difference: " in done.stderr
+
+
 def test_a_replay_up_to_a_time_ends_there(folder: Path) -> None:
     done = rosbase(folder, "replay", "run.mcap", "--check", "--to", "0.2s")
     assert done.returncode == 0, done.stderr

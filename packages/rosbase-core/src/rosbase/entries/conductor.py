@@ -23,7 +23,7 @@ __all__ = ["Conductor", "Play", "conductor_of"]
 
 T = TypeVar("T")
 Play: TypeAlias = Callable[["Entry"], object]
-"""What a replay does with an entry that came from outside."""
+"""Function that replays an entry that came from outside."""
 
 
 class Conductor(Protocol):

@@ -19,7 +19,7 @@ __all__ = [
 
 
 class Kind(IntEnum):
-    """What ran, or what was noted while it ran. The values are part of the file format."""
+    """Kind of an entry, or of a note within one. The values are part of the file format."""
 
     # Notes: they belong to the entry that began last.
     READ_MONO = 1
@@ -168,7 +168,7 @@ SECTION_OPS = ("create", "open", "start", "stop", "close")
 
 
 class Numbered(IntEnum):
-    """What gets a number when the program creates it."""
+    """Classes of objects that get a number when the program creates them."""
 
     TIMER = 1
     PUBLISHER = 2
@@ -182,7 +182,7 @@ class Numbered(IntEnum):
 
 
 class TimerOp(IntEnum):
-    """What a thread other than the program's does with a timer."""
+    """Operations on a timer by a thread other than the program's."""
 
     RESET = 1
     CANCEL = 2
@@ -200,4 +200,4 @@ NUMBERED: dict[int, Numbered] = {
     Kind.ANSWER: Numbered.CLIENT,
     Kind.CHANGE_STATE: Numbered.LIFECYCLE,
 }
-"""What the first number after the time stands for, of the kinds that have such a number."""
+"""Class of the object whose number follows the time, for the kinds that have one."""

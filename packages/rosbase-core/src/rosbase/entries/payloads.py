@@ -7,7 +7,7 @@ from typing import TypeAlias
 __all__ = ["Json", "Payload", "as_bytes", "from_json", "to_json"]
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
-"""What JSON can carry. Tuples come back as lists."""
+"""Any value that JSON can carry. Tuples come back as lists."""
 
 Payload: TypeAlias = bytes | Callable[[], bytes]
 """The bytes, or a function that the writer of the file calls for them, on its own thread.

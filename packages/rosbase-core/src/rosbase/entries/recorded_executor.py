@@ -32,7 +32,7 @@ class RecordedTimer(ExecutorTimer):
 
 
 class _Poster(threading.local):
-    """What a thread has of its own: its number, and how often it has posted a call."""
+    """Number of a thread, and the count of its posted calls."""
 
     number = -1
     posted = 0

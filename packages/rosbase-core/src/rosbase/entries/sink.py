@@ -15,7 +15,7 @@ __all__ = ["EndFacts", "RecordingSink", "RunFacts"]
 
 @frozen
 class RunFacts:
-    """What is known of a run when it starts."""
+    """Facts of a run that are known at its start."""
 
     start_date_ns: int
     """The date, in nanoseconds since the Unix epoch, from which dates in the trace count."""
@@ -27,7 +27,7 @@ class RunFacts:
 
 @frozen
 class EndFacts:
-    """What is known of a run when it has ended."""
+    """Facts of a run that are known at its end."""
 
     entries: int
     """Number of its entries."""

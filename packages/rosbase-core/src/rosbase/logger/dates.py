@@ -1,4 +1,4 @@
-"""What a recording or a replay of the program changes in its log: the dates, and who may speak.
+"""Dates of log records while a program is recorded or replayed, and who may write to the log.
 
 The dates come from the clock of the program then, so that a replay says the same lines. In a
 replay, lines of other threads come from the recording.

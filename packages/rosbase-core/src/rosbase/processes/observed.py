@@ -1,4 +1,4 @@
-"""What a program sees of a child process: in a replay, what it saw when it was recorded."""
+"""State of a child process as the program sees it; in a replay, as the recording has it."""
 
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar, overload

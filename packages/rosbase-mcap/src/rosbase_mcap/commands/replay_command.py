@@ -85,6 +85,8 @@ def _options(arguments: Any, recorded: RunFile | None) -> ReplayOptions:
     topics = arguments.topics
     if topics is None and not arguments.frames and recorded is None:
         # There is nothing else in it.
+        if arguments.check:
+            raise ConfigurationError(f"{arguments.file} has topics only: nothing can be compared")
         topics = []
     if topics is not None:
         topics = [f"/{topic.lstrip('/')}" for topic in topics]

@@ -2,9 +2,11 @@
 
 import runpy
 import sys
+import traceback
 
 from rosbase import RosbaseError
 from rosbase.text.printable import MOST_LINE, one_line
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.replaying.options import ReplayOptions
 from rosbase_mcap.replaying.report import report_lines, status_of
 from rosbase_mcap.replaying.session import Session
@@ -43,6 +45,14 @@ def _run(session: Session, words: list[str]) -> int:
             runpy.run_module("rosbase.program", run_name="__main__", alter_sys=True)
         except SystemExit as end:
             return _status(end)
+        except McapError:
+            raise
+        except Exception:
+            # Of the program, which may have ended so in the recording, too.
+            if not session.has_begun:
+                raise
+            traceback.print_exc()
+            return 1
     return 0
 
 

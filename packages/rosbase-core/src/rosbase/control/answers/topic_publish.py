@@ -15,7 +15,7 @@ from rosbase.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, Reliability
 __all__ = ["CLOSE", "close_again", "publish"]
 
 CLOSE = "topic.publish.close"
-"""What a recording calls the end of a publisher. No client asks it."""
+"""Name of the end of a publisher in a recording. No client asks for it."""
 
 _KEPT = "topic.publish"
 _MADE = "topic.publish.made"

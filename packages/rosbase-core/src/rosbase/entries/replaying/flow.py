@@ -46,11 +46,11 @@ class FlowDifference:
     tick: int
     """Number of ticks that had begun."""
     what: str
-    """What is different, in one line."""
+    """The difference, in one line."""
     before: tuple[str, ...] = ()
     """The entry that ran and the ones before it, the last first."""
     hint: str = ""
-    """What else was different in this entry; empty if nothing was."""
+    """Other differences in this entry; empty if there are none."""
 
     def __str__(self) -> str:
         lines = [

@@ -1,4 +1,4 @@
-"""What comes from outside in a free replay: at its time, in the order of the file."""
+"""Inputs from outside in a free replay: each at its time, in the order of the file."""
 
 from collections.abc import Callable, Iterable, Iterator
 

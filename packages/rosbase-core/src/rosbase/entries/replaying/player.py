@@ -65,7 +65,7 @@ class Player:
         self.machine = VirtualClock(facts.start_date_ns, facts.start_monotonic_ns)
         self.clock: ReplayedClock = ReplayedClock(self, self.machine)
         self.facts = facts
-        """What is known of the recorded run."""
+        """Facts of the recorded run."""
         self.difference: FlowDifference | None = None
         """The first difference of the flow; None if the program has followed the script."""
         self.spoiled = ""
@@ -75,7 +75,7 @@ class Player:
         self.was_interrupted = False
         """Whether a signal has ended the replay."""
         self.inputs = Inputs(())
-        """What is still to come in a free replay."""
+        """Inputs still to come in a free replay."""
         # Nobody notes in it: a sink reads the number of the entry that runs.
         self.trace = Trace()
         self.entry = _NOTHING
