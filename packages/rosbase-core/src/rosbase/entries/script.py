@@ -9,7 +9,10 @@ from rosbase.entries.kinds import HAS_PAYLOAD, INTS, IS_NOTE, Kind
 from rosbase.entries.payloads import Json, as_bytes, from_json
 from rosbase.entries.trace import TraceBlock
 
-__all__ = ["Creation", "Entry", "read_entries"]
+__all__ = ["NO_NOTES", "Creation", "Entry", "Notes", "read_entries"]
+
+# `Kind(code)` takes ten times as long.
+_KINDS: dict[int, Kind] = {int(kind): kind for kind in Kind}
 
 
 @define
@@ -25,9 +28,34 @@ class Creation:
 
 
 @define
-class Entry:
-    """A piece of work that ran as a whole, and what it asked of the world outside."""
+class Notes:
+    """What a piece of work asked of the world outside, and what it created."""
 
+    mono: deque[int] = Factory(deque)
+    """Values of the monotonic clock, in the order in which they were read."""
+    date: deque[int] = Factory(deque)
+    """Values of the date, since the date of the start."""
+    slept: deque[int] = Factory(deque)
+    """Values of `suspended_ns`."""
+    log: deque[int] = Factory(deque)
+    """Dates of log records, since the date of the start."""
+    facts: deque[Json] = Factory(deque)
+    """Answers about things outside."""
+    created: list[Creation] = Factory(list)
+    """What the program created."""
+    spoiled: str = ""
+    """Why the run cannot be replayed from here on; empty if it can."""
+
+
+NO_NOTES = Notes()
+"""The notes of the entries without any, which are most. Nobody adds to them."""
+
+
+@define
+class Entry:
+    """A piece of work that ran as a whole."""
+
+    # A recording of an hour has ten million: each is as small as can be.
     number: int
     """How many entries began before."""
     kind: Kind
@@ -36,20 +64,8 @@ class Entry:
     """The numbers of its kind, as `kinds` has them; the first is the time at which it began."""
     payload: bytes = b""
     """What came from outside."""
-    reads_mono: deque[int] = Factory(deque)
-    """Values of the monotonic clock, in the order in which they were read."""
-    reads_date: deque[int] = Factory(deque)
-    """Values of the date, since the date of the start."""
-    reads_slept: deque[int] = Factory(deque)
-    """Values of `suspended_ns`."""
-    reads_log: deque[int] = Factory(deque)
-    """Dates of log records, since the date of the start."""
-    facts: deque[Json] = Factory(deque)
-    """Answers about things outside."""
-    created: list[Creation] = Factory(list)
-    """What the program created."""
-    spoiled: str = ""
-    """Why the run cannot be replayed from here on; empty if it can."""
+    notes: Notes = NO_NOTES
+    """What belongs to it."""
 
     @property
     def t_ns(self) -> int:
@@ -66,6 +82,7 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Iterator[Entry]:
     entry: Entry | None = None
     expected = 0
     payloads: deque[bytes] = deque()
+    kinds, sizes, is_note, has_payload = _KINDS, INTS, IS_NOTE, HAS_PAYLOAD
     for block in blocks:
         if block.first_entry != expected:
             return
@@ -74,33 +91,34 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Iterator[Entry]:
         place, end = 0, len(ints)
         while place < end:
             code = ints[place]
-            after = place + 1 + INTS[code]
-            if code not in IS_NOTE:
+            first = place + 1
+            place = first + sizes[code]
+            if code not in is_note:
                 if entry is not None:
                     yield entry
-                entry = Entry(expected, Kind(code), ints[place + 1 : after])
+                payload = payloads.popleft() if code in has_payload else b""
+                entry = Entry(expected, kinds[code], ints[first:place], payload)
                 expected += 1
-                if code in HAS_PAYLOAD:
-                    entry.payload = payloads.popleft()
             elif entry is not None:
-                _add_note(entry, code, ints[place + 1 : after], payloads)
-            place = after
+                if entry.notes is NO_NOTES:
+                    entry.notes = Notes()
+                _add_note(entry.notes, code, ints[first:place], payloads)
     if entry is not None and entry.kind is Kind.END:
         yield entry
 
 
-def _add_note(entry: Entry, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:
+def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:
     if code == Kind.READ_MONO:
-        entry.reads_mono.append(numbers[0])
+        notes.mono.append(numbers[0])
     elif code == Kind.READ_DATE:
-        entry.reads_date.append(numbers[0])
+        notes.date.append(numbers[0])
     elif code == Kind.READ_SLEPT:
-        entry.reads_slept.append(numbers[0])
+        notes.slept.append(numbers[0])
     elif code == Kind.READ_LOG:
-        entry.reads_log.append(numbers[0])
+        notes.log.append(numbers[0])
     elif code == Kind.FACT:
-        entry.facts.append(from_json(payloads.popleft()))
+        notes.facts.append(from_json(payloads.popleft()))
     elif code == Kind.NEW:
-        entry.created.append(Creation(numbers[0], numbers[1], payloads.popleft().decode()))
+        notes.created.append(Creation(numbers[0], numbers[1], payloads.popleft().decode()))
     else:
-        entry.spoiled = payloads.popleft().decode()
+        notes.spoiled = payloads.popleft().decode()
