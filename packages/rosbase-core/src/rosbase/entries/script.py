@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypeVar
 
 from attrs import Factory, define
 
@@ -13,6 +14,12 @@ __all__ = ["NO_NOTES", "Creation", "Entry", "Notes", "read_entries"]
 
 # `Kind(code)` takes ten times as long.
 _KINDS: dict[int, Kind] = {int(kind): kind for kind in Kind}
+_READ_MONO, _READ_DATE, _READ_SLEPT = map(int, (Kind.READ_MONO, Kind.READ_DATE, Kind.READ_SLEPT))
+_READ_LOG, _FACT, _NEW = map(int, (Kind.READ_LOG, Kind.FACT, Kind.NEW))
+# Nobody can add to it. A deque takes a kilobyte, so only what there is has one.
+_NOTHING: deque[Any] = deque(maxlen=0)
+
+T = TypeVar("T")
 
 
 @define
@@ -31,15 +38,15 @@ class Creation:
 class Notes:
     """What a piece of work asked of the world outside, and what it created."""
 
-    mono: deque[int] = Factory(deque)
+    mono: deque[int] = _NOTHING
     """Values of the monotonic clock, in the order in which they were read."""
-    date: deque[int] = Factory(deque)
+    date: deque[int] = _NOTHING
     """Values of the date, since the date of the start."""
-    slept: deque[int] = Factory(deque)
+    slept: deque[int] = _NOTHING
     """Values of `suspended_ns`."""
-    log: deque[int] = Factory(deque)
+    log: deque[int] = _NOTHING
     """Dates of log records, since the date of the start."""
-    facts: deque[Json] = Factory(deque)
+    facts: deque[Json] = _NOTHING
     """Answers about things outside."""
     created: list[Creation] = Factory(list)
     """What the program created."""
@@ -108,17 +115,24 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Iterator[Entry]:
 
 
 def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:
-    if code == Kind.READ_MONO:
-        notes.mono.append(numbers[0])
-    elif code == Kind.READ_DATE:
-        notes.date.append(numbers[0])
-    elif code == Kind.READ_SLEPT:
-        notes.slept.append(numbers[0])
-    elif code == Kind.READ_LOG:
-        notes.log.append(numbers[0])
-    elif code == Kind.FACT:
-        notes.facts.append(from_json(payloads.popleft()))
-    elif code == Kind.NEW:
+    if code == _READ_MONO:
+        notes.mono = _joined(notes.mono, numbers[0])
+    elif code == _READ_DATE:
+        notes.date = _joined(notes.date, numbers[0])
+    elif code == _READ_SLEPT:
+        notes.slept = _joined(notes.slept, numbers[0])
+    elif code == _READ_LOG:
+        notes.log = _joined(notes.log, numbers[0])
+    elif code == _FACT:
+        notes.facts = _joined(notes.facts, from_json(payloads.popleft()))
+    elif code == _NEW:
         notes.created.append(Creation(numbers[0], numbers[1], payloads.popleft().decode()))
     else:
         notes.spoiled = payloads.popleft().decode()
+
+
+def _joined(values: deque[T], value: T) -> deque[T]:
+    if values is _NOTHING:
+        return deque((value,))
+    values.append(value)
+    return values
