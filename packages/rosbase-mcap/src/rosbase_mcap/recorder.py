@@ -115,9 +115,10 @@ class Recorder:
         add = self._backlog.add
 
         def record(log_ns: int, publish_ns: int, data: bytes) -> object:
-            # MCAP has no dates before 1970.
-            times = max(log_ns, 0), max(publish_ns, 0)
-            return add((number, sequence() & 0xFFFFFFFF, *times, data))
+            if log_ns < 0 or publish_ns < 0:
+                # MCAP has no dates before 1970.
+                log_ns, publish_ns = max(log_ns, 0), max(publish_ns, 0)
+            return add((number, sequence() & 0xFFFFFFFF, log_ns, publish_ns, data))
 
         return record
 
