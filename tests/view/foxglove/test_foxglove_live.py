@@ -238,6 +238,50 @@ def overruns_while(pid: int, condition: Callable[[], object], what: str) -> floa
 SOME = 0.1
 
 
+def test_programs_that_start_later_are_served(robots: Robots) -> None:
+    with served() as (_, port), FoxgloveClient(port) as client:
+        client.until(lambda: client.times, "the server")
+        assert not client.topics
+        robots.start(APP)
+        client.subscribe("/position")
+        client.until(lambda: client.messages, "messages")
+
+
+def test_two_programs_of_one_name_have_services_and_parameters_of_their_own(
+    robots: Robots,
+) -> None:
+    first, second = (pid_of(robots.start(APP)) for _ in range(2))
+    with served() as (_, port), FoxgloveClient(port) as client:
+
+        def services() -> set[str]:
+            return {one["name"] for one in client.services.values()}
+
+        client.until(lambda: {"/enable", "/app/enable"} <= services(), "both services")
+        wait_until(lambda: len(client.get_parameters()) == 4, "the parameters of both")
+        client.set_parameters({"name": "/app/app.robot.speed", "value": 3.0})
+        wait_until(lambda: client.get_parameters()["/app/app.robot.speed"] == 3.0, "the value")
+        assert client.get_parameters()["/app.robot.speed"] == 1.5
+        speeds = [connect(pid).get_parameters("robot")["speed"] for pid in (first, second)]
+        assert sorted(speeds) == [1.5, 3.0]
+
+
+def test_a_client_that_goes_leaves_no_publisher_behind(robots: Robots) -> None:
+    pid = pid_of(robots.start(APP))
+
+    def publishers() -> int:
+        topic = next(one for one in connect(pid).topics() if one["name"] == "/position")
+        return len(topic["publishers"])
+
+    with served("app") as (_, port):
+        before = publishers()
+        with FoxgloveClient(port) as client:
+            client.channel("/position")
+            client.advertise("/position", "geometry_msgs/msg/Point")
+            client.publish(bytes(serialize(Point(1.0, 0.0, 0.0))))
+            wait_until(lambda: publishers() == before + 1, "the publisher")
+        wait_until(lambda: publishers() == before, "its end")
+
+
 def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
     # 6 MB, more than the buffers of a connection have.
     count = 20_000
