@@ -29,6 +29,7 @@ def test_a_status_that_is_not_told_again_is_stale() -> None:
     health.take(told(DiagnosticStatus(level=0, name="b", message="fine")), 0)
     assert health.statuses(5 * SECOND)[0].level == "OK"
     assert health.statuses(6 * SECOND) == [Status("STALE", "b", "silent; before: fine")]
+    assert health.statuses(None) == [Status("OK", "b", "fine")]
 
 
 def test_levels_have_the_names_of_ros_and_an_unknown_one_is_an_error() -> None:

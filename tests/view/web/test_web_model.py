@@ -6,7 +6,17 @@ import pytest
 from attrs import evolve
 
 from rosbase.control.shapes import Topic
-from rosbase_view.reports import Counted, Heard, NodeReport, NodeRow, Report, Said, Survey, TopicKey
+from rosbase_view.reports import (
+    Counted,
+    Heard,
+    NodeReport,
+    NodeRow,
+    Position,
+    Report,
+    Said,
+    Survey,
+    TopicKey,
+)
 from rosbase_view.source import ChangeState
 from rosbase_view.web.health import DIAGNOSTICS
 from rosbase_view.web.model import ChooseNode, ChooseTopic, Model, RunTransition
@@ -62,6 +72,14 @@ def test_an_orientation_that_is_old_is_not_shown_as_that_of_now() -> None:
     picture = model.picture(3 * SECOND)
     assert picture.rotation is None
     assert "last message: 3.0 s" in status_html(picture)
+
+
+def test_a_recording_that_stands_still_shows_its_last_message() -> None:
+    position = Position(SECOND, 0, 10 * SECOND, is_playing=False)
+    model = model_of(surveyed(), Counted(IMU_TOPIC, 10, 0.1), heard(), position)
+    picture = model.picture(60 * SECOND)
+    assert picture.rotation is not None
+    assert picture.position == position
 
 
 def test_the_page_asks_for_the_chosen_board_alone() -> None:

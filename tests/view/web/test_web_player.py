@@ -45,3 +45,10 @@ def test_an_empty_recording_has_a_slider_too(server: GuardedServer) -> None:
     player = Player(server.gui, print)
     player.show(Position(0, 0, 0, is_playing=False))
     assert player.slider.value == 0.0
+
+
+def test_the_slider_reaches_the_end_of_any_recording(server: GuardedServer) -> None:
+    player = Player(server.gui, print)
+    end_ns = 10_063_568_000
+    player.show(Position(end_ns, 0, end_ns, is_playing=False))
+    assert (player.slider.max, player.slider.value) == (10.1, 10.1)

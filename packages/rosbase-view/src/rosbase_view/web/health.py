@@ -44,11 +44,15 @@ class Health:
         while len(self._found) > _MOST:
             del self._found[next(iter(self._found))]
 
-    def statuses(self, now_ns: int) -> list[Status]:
-        """Return what was told, by name; what was not told again for five seconds is stale."""
+    def statuses(self, now_ns: int | None) -> list[Status]:
+        """Return what was told, by name; what was not told again for five seconds is stale.
+
+        Args:
+            now_ns: Monotonic time; None for a recording, which may stand still.
+        """
         return [
             status
-            if now_ns - told_ns <= _FRESH_NS
+            if now_ns is None or now_ns - told_ns <= _FRESH_NS
             else Status("STALE", status.name, f"silent; before: {status.message}")
             for status, told_ns in (self._found[name] for name in sorted(self._found))
         ]

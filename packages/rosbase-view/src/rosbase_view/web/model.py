@@ -132,7 +132,8 @@ class Model:
         state = self.known.topics.get(key) if key is not None else None
         age_ns = None if state is None else state.age_ns(now_ns)
         # A recording that stands still shows its last message for as long as it does.
-        is_fresh = now_ns - self._heard_ns <= _FRESH_NS or self.known.position is not None
+        is_recording = self.known.position is not None
+        is_fresh = is_recording or now_ns - self._heard_ns <= _FRESH_NS
         row = None if node is None else self.known.nodes.get(node)
         return Picture(
             topics=self._topics.labels,
@@ -143,7 +144,7 @@ class Model:
             is_there=state is not None,
             rate_hz=None if state is None else state.rate_hz(now_ns),
             age_ns=age_ns,
-            statuses=self._health.statuses(now_ns),
+            statuses=self._health.statuses(None if is_recording else now_ns),
             lifecycle="" if row is None else row.lifecycle or "",
             offered=frozenset() if node is None else frozenset(self._offered(node)),
             traces=self._traces,

@@ -1,5 +1,6 @@
 """Controls of a recording: a button that plays and pauses, and where the recording is."""
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -73,7 +74,8 @@ class Player:
         update(self.slider, visible=position is not None)
         if position is None:
             return
-        length_s = max(_STEP_S, (position.end_ns - position.begin_ns) / _NS)
+        steps = math.ceil((position.end_ns - position.begin_ns) / (_STEP_S * _NS))
+        length_s = round(max(1, steps) * _STEP_S, 1)
         passed_s = min(max(0.0, (position.now_ns - position.begin_ns) / _NS), length_s)
         update(self.button, label="pause" if position.is_playing else "play")
         # The end first: the slider moves no further.
