@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from rosbase.control.shapes import Endpoint, Process, Topic
 
-__all__ = ["Bus", "buses", "observers", "on_several"]
+__all__ = ["Bus", "buses", "observers", "on_several", "with_children"]
 
 
 class Bus:
@@ -48,6 +48,22 @@ def buses(processes: Iterable[Process]) -> list[Bus]:
         root = _root(pid, parent) if backend == "local" else 0
         groups.setdefault((backend, network, root), set()).add(pid)
     return [Bus(backend, network, pids) for (backend, network, _), pids in sorted(groups.items())]
+
+
+def with_children(process: Process, processes: Iterable[Process]) -> list[Process]:
+    """Return a process and those among the others that descend from it, also by a launcher."""
+    known = {one["pid"]: one for one in processes}
+    # Pids are told by other processes, which may be wrong: none is taken twice.
+    found = {process["pid"]: process}
+    waiting = [process]
+    while waiting:
+        for program in waiting.pop()["programs"]:
+            for child in program["children"]:
+                pid = child["pid"]
+                if pid in known and pid not in found:
+                    found[pid] = known[pid]
+                    waiting.append(known[pid])
+    return list(found.values())
 
 
 def _root(pid: int, parent: Mapping[int, int]) -> int:
