@@ -124,17 +124,18 @@ class Recorder:
 
         def record(log_ns: int, publish_ns: int, data: bytes) -> object:
             nonlocal outside
-            # MCAP has no dates before 1970.
-            times = max(log_ns, 0), max(publish_ns, 0)
+            if log_ns < 0 or publish_ns < 0:
+                # MCAP has no dates before 1970.
+                log_ns, publish_ns = max(log_ns, 0), max(publish_ns, 0)
             if run is None:
-                return add((number, sequence() & _MASK, *times, data))
+                return add((number, sequence() & _MASK, log_ns, publish_ns, data))
             entry = run.number
             if entry >= 0:
-                return add((number, entry & _MASK, *times, data))
+                return add((number, entry & _MASK, log_ns, publish_ns, data))
             if outside is None:
                 own = {**metadata, ORIGIN: OUTSIDE}
                 outside = self._table.add(topic, type_name, schema, own)
-            return add((outside, sequence() & _MASK, *times, data))
+            return add((outside, sequence() & _MASK, log_ns, publish_ns, data))
 
         return record
 
