@@ -13,7 +13,8 @@ import pytest
 
 from support.command import ROSBASE, RunningRosbase
 
-ROBOT = str(Path(__file__).parents[1] / "support" / "field_robot")
+ROBOT = Path(__file__).parents[1] / "support" / "long_walk.py"
+SEED = "19"
 RATE_HZ = 200
 SECONDS = int(os.environ.get("ROSBASE_REPLAY_SECONDS", "5"))
 REPLAYS = int(os.environ.get("ROSBASE_REPLAY_COUNT", "2"))
@@ -37,9 +38,8 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with RunningRosbase("simulate", "--rate", str(RATE_HZ)) as board:
         board.waits_for("rosbase imu", where=board.out)
         (port,) = re.findall(r"device_path:=(\S+)", "\n".join(board.out.lines))
-        ticks = str(SECONDS * RATE_HZ)
-        words = ("run", "--record", str(path), ROBOT, "-p", f"imu.device_path:={port}")
-        done = run(*words, "--ticks", ticks)
+        device = ("-p", "comm_t:=serial", "-p", f"device_path:={port}")
+        done = run("run", "--record", str(path), *device, str(ROBOT), str(SECONDS), SEED)
         assert done.returncode == 0, done.stderr
     return path
 
@@ -64,8 +64,11 @@ def test_every_replay_is_equal_to_the_recording(recording: Path) -> None:
 
 
 @pytest.mark.timeout(LIMIT_S * 2)
-def test_a_change_of_the_last_digit_is_found(recording: Path) -> None:
-    done = run("replay", str(recording), "--check", FIELD_ROBOT_GAIN="0.1000000001")
+def test_a_change_of_the_last_digit_is_found(recording: Path, tmp_path: Path) -> None:
+    text = ROBOT.read_text().replace("__file__", repr(str(ROBOT)))
+    changed = tmp_path / "changed.py"
+    changed.write_text(text.replace("gain * axis", "gain * axis * 1.0000000000000002"))
+    done = run("replay", str(recording), str(changed), "--check")
     assert done.returncode == 1, done.stdout + done.stderr
-    assert re.search(r"first difference at 00:\d\d\.\d{3}, entry \d+.*/cmd_vel", done.stderr)
-    assert re.search(r"angular\.z: \S+ -> \S+ +\(recorded -> replayed\)", done.stderr)
+    assert re.search(r"first difference at 00:\d\d\.\d{3}, entry \d+, /cmd_vel", done.stderr)
+    assert re.search(r"(linear|angular)\.[xz]: \S+ -> \S+ +\(recorded -> replayed\)", done.stderr)

@@ -47,7 +47,7 @@ def comparison(recorded: list[Output]) -> Comparison:
 def difference(recorded: list[Output], replayed: list[Output]) -> Difference | None:
     found = comparison(recorded)
     for one in replayed:
-        found.hear(one)
+        found.hear(*one)
     return found.finish()
 
 
@@ -83,14 +83,14 @@ def test_a_replay_that_was_ended_before_misses_nothing() -> None:
     for number, is_missing in ((3, False), (4, True)):
         found = comparison(RUN)
         for one in RUN[:3]:
-            found.hear(one)
+            found.hear(*one)
         assert (found.finish(number) is not None) == is_missing
 
 
 def test_a_replay_of_another_flow_that_was_ended_before_misses_nothing() -> None:
     found = comparison(RUN)
     for one in RUN[:3]:
-        found.hear(one)
+        found.hear(*one)
     found.differ_in_flow(Flow("timer 3 is gone", 3, 3 * S))
     first = found.finish(number=9, end_ns=RUN[3].log_ns - 1)
     assert first is not None
@@ -122,10 +122,10 @@ def test_numbers_that_have_reached_32_bits_are_ordered() -> None:
 
 def test_after_another_flow_messages_are_compared_by_topic() -> None:
     found = comparison(RUN)
-    found.hear(RUN[0])
+    found.hear(*RUN[0])
     found.differ_in_flow(Flow("timer 3 is gone", 2, 2 * S, ("before: tick 6",)))
     for one in (output(7, "/a", 3.0), output(8, "/b", 2.0), output(9, "/b", 4.5)):
-        found.hear(one)
+        found.hear(*one)
     first = found.finish()
     assert first is not None
     assert (first.topic, first.since_ns) == ("/b", 4 * S)
@@ -141,7 +141,7 @@ def test_after_another_flow_messages_are_compared_by_topic() -> None:
 def test_another_flow_with_the_same_messages_is_a_difference() -> None:
     found = comparison(RUN)
     for number, one in enumerate(RUN):
-        found.hear(one._replace(number=one.number + number))
+        found.hear(*one._replace(number=one.number + number))
         found.differ_in_flow(Flow(f"timer {number} is gone", 2 + number, (2 + number) * S))
     first = found.finish()
     assert first is not None
@@ -152,8 +152,8 @@ def test_after_another_flow_a_silent_topic_is_named_and_kept_within_limits() -> 
     many = [output(1, "/a", 1.0)] + [output(number, "/b", 0.0) for number in range(2, 5000)]
     found = comparison([*many, output(5000, "/a", 2.0)])
     found.differ_in_flow(Flow("other", 0, 0))
-    found.hear(output(1, "/a", 1.0))
-    found.hear(output(2, "/a", 2.0))
+    found.hear(*output(1, "/a", 1.0))
+    found.hear(*output(2, "/a", 2.0))
     assert found.difference is not None
     assert (found.difference.topic, found.difference.number) == ("/b", 2)
 
@@ -211,7 +211,7 @@ def test_a_line_of_the_log_may_differ_in_place_addresses_and_traceback(
     runs = [[Output(1, "/rosout", S, data)] for data in (recorded, replayed)]
     found = Comparison(iter(runs[0]), {"/rosout": schemas[0]}, 0)
     found.declare("/rosout", schemas[0])
-    found.hear(runs[1][0])
+    found.hear(*runs[1][0])
     assert found.finish() is None
 
 

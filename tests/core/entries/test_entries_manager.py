@@ -73,7 +73,7 @@ def check(entries: list[Entry], robot: Robot) -> None:
     heard = len(robot.nodes["blinker"].heard)
     assert kinds.count(Kind.TIMER) >= heard > 0
     assert kinds.count(Kind.CALL) >= heard
-    assert not any(entry.spoiled for entry in entries)
+    assert not any(entry.notes.spoiled for entry in entries)
 
 
 def test_a_manager_in_virtual_time_runs_as_without_a_recording() -> None:

@@ -131,7 +131,7 @@ def test_every_call_and_timer_is_an_entry(virtual: Rig) -> None:
         ("RETURN", S + S // 2, 0),
         ("END", S + S // 2),
     ]
-    assert [made.text for made in entries[0].created] == ["list"]
+    assert [made.text for made in entries[0].notes.created] == ["list"]
 
 
 def test_readings_inside_are_noted_and_those_outside_are_not(virtual: Rig) -> None:
@@ -148,9 +148,9 @@ def test_readings_inside_are_noted_and_those_outside_are_not(virtual: Rig) -> No
     virtual.spin(0.0)
     call = virtual.entries()[1]
     assert call.kind is Kind.CALL
-    assert list(call.reads_mono) == [0]
-    assert list(call.reads_date) == [S // 2]
-    assert list(call.reads_slept) == [0]
+    assert list(call.notes.mono) == [0]
+    assert list(call.notes.date) == [S // 2]
+    assert list(call.notes.slept) == [0]
 
 
 def test_urgent_calls_of_a_wait_are_entries(virtual: Rig) -> None:
@@ -291,7 +291,7 @@ def test_the_error_of_a_section_is_noted_and_raised(virtual: Rig) -> None:
 def test_facts_are_noted_inside_only(virtual: Rig) -> None:
     assert virtual.recorder.fact(lambda: ["open", 3]) == ["open", 3]
     on_thread(lambda: virtual.recorder.fact(lambda: "outside"))
-    assert list(virtual.entries()[0].facts) == [["open", 3]]
+    assert list(virtual.entries()[0].notes.facts) == [["open", 3]]
 
 
 def test_another_thread_operates_timers_when_the_turn_is_free(virtual: Rig) -> None:
@@ -314,7 +314,7 @@ def test_a_timer_of_another_thread_spoils_the_recording(virtual: Rig) -> None:
     on_thread(lambda: virtual.executor.create_timer(S, list))
     virtual.spin(0.0)
     assert virtual.recorder.spoiled == ["thread 'worker' created a timer: list"]
-    assert [entry.spoiled for entry in virtual.entries() if entry.spoiled]
+    assert [entry.notes.spoiled for entry in virtual.entries() if entry.notes.spoiled]
 
 
 def test_a_request_to_stop_comes_in_between_entries(real: Rig) -> None:

@@ -53,14 +53,14 @@ def test_every_note_is_in_the_script_once_and_in_order(blocks: list[TraceBlock])
     assert [entry.number for entry in entries] == list(range(len(entries)))
     seen = sum(
         1
-        + len(entry.reads_mono)
-        + len(entry.reads_date)
-        + len(entry.reads_slept)
-        + len(entry.facts)
-        + len(entry.created)
+        + len(entry.notes.mono)
+        + len(entry.notes.date)
+        + len(entry.notes.slept)
+        + len(entry.notes.facts)
+        + len(entry.notes.created)
         for entry in entries
     )
-    spoils = sum(bool(entry.spoiled) for entry in entries)
+    spoils = sum(bool(entry.notes.spoiled) for entry in entries)
     total = sum(len(block.ints) for block in blocks)
     assert total >= seen + spoils
     assert (entries[0].kind, entries[-1].kind) == (Kind.BEGIN, Kind.END)
@@ -100,11 +100,11 @@ def test_an_entry_has_what_was_noted_while_it_ran() -> None:
     assert trace.number == 1
     trace.begin(Kind.END, 9)
     build, timer, _ = script([trace.take()])
-    assert [(c.what, c.number, c.text) for c in build.created] == [(1, 0, "blink")]
+    assert [(c.what, c.number, c.text) for c in build.notes.created] == [(1, 0, "blink")]
     assert (timer.t_ns, timer.ints) == (5, (5, 0))
-    assert list(timer.reads_mono) == [6, 7]
-    assert list(timer.reads_date) == [8]
-    assert list(timer.facts) == [{"frames": 3}]
+    assert list(timer.notes.mono) == [6, 7]
+    assert list(timer.notes.date) == [8]
+    assert list(timer.notes.facts) == [{"frames": 3}]
 
 
 def test_a_payload_is_made_only_when_it_is_written() -> None:

@@ -2,18 +2,18 @@
 
 import struct
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 from zlib import crc32
 
 from rosbase_mcap.compression import compressed
-from rosbase_mcap.records import PREFIX, Chunk, Kind, record
+from rosbase_mcap.records import PREFIX, Chunk, Kind, Message, record
 from rosbase_mcap.scanning import records_in
 
 if TYPE_CHECKING:
     from rosbase_mcap.backlog import Item
 
-__all__ = ["ChunkBuilder", "MessageTimes", "message_index", "message_times"]
+__all__ = ["ChunkBuilder", "MessageTimes", "contents_of", "message_index", "message_times"]
 
 # A record of a message up to its data: kind, length, channel, sequence, log and publish time.
 _HEAD = struct.Struct("<BQHIQQ")
@@ -55,6 +55,30 @@ class ChunkBuilder:
         start_ns, end_ns = _span(times)
         packed = compressed(data, compression)
         return Chunk(start_ns, end_ns, len(data), crc32(data), compression, packed), times
+
+
+def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, memoryview]]:
+    """Yield the records of a chunk, in their order: its messages, and kind and content of others.
+
+    What is cut off at the end is left out.
+    """
+    data, unpack, kind_of_message = bytes(records), _HEAD.unpack_from, int(Kind.MESSAGE)
+    at, end = 0, len(data)
+    while at < end:
+        # Usually, each is a message: nothing else is done for it than must be.
+        if at + _HEAD.size <= end:
+            kind, length, channel, sequence, log_ns, publish_ns = unpack(data, at)
+            after = at + PREFIX.size + length
+            if kind == kind_of_message and length >= _HEAD_BYTES and after <= end:
+                content = data[at + _HEAD.size : after]
+                yield Message(channel, sequence, log_ns, publish_ns, content)
+                at = after
+                continue
+        other = next(records_in(memoryview(data)[at:]), None)
+        if other is None:
+            return
+        yield other
+        at += PREFIX.size + len(other[1])
 
 
 def message_times(records: bytes | memoryview) -> MessageTimes:

@@ -7,28 +7,24 @@ from typing import NamedTuple
 
 from rosbase_mcap.log_channel import LOG_TOPIC
 
-__all__ = ["Digest", "Output", "number_in_file"]
+__all__ = ["MASK", "Digest", "Output"]
 
+MASK = (1 << 32) - 1
+"""A message in a file has this much of the number of its entry, as its sequence number."""
 _PREFIX = struct.Struct("<III")
-_NUMBERS = 1 << 32
 
 
 class Output(NamedTuple):
     """A message that came from within a program."""
 
     number: int
-    """Number of the entry in which it came, as `number_in_file` has it."""
+    """Number of the entry in which it came, of which `MASK` is known."""
     topic: str
     """Full name of its topic."""
     log_ns: int
     """When it was published, in nanoseconds since 1970."""
     data: bytes
     """The message as CDR."""
-
-
-def number_in_file(number: int) -> int:
-    """Return the number of an entry as the sequence number of a message has it: 32 bits."""
-    return number % _NUMBERS
 
 
 class Digest:
@@ -55,7 +51,7 @@ class Digest:
         name = self._names.get(topic)
         if name is None:
             name = self._names[topic] = topic.encode()
-        self._hash.update(_PREFIX.pack(number % _NUMBERS, len(name), len(data)) + name + data)
+        self._hash.update(_PREFIX.pack(number & MASK, len(name), len(data)) + name + data)
 
     @property
     def hexdigest(self) -> str:

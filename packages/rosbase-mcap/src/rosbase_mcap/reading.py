@@ -2,10 +2,11 @@
 
 import os
 from collections.abc import Callable, Iterator
-from typing import BinaryIO, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
 from attrs import frozen
 
+from rosbase_mcap.chunks import contents_of
 from rosbase_mcap.compression import unpacked
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.records import (
@@ -79,14 +80,11 @@ def contents(stream: BinaryIO) -> Iterator[Content]:
     for found in records_of(stream):
         if found.kind in (Kind.DATA_END, Kind.FOOTER):
             return
-        for kind, content in _opened(found):
-            read = _READERS.get(kind)
-            if read is not None:
-                try:
-                    yield read(content)
-                except McapError:
-                    # Its length was right, so the records behind it are found all the same.
-                    continue
+        for content in _opened(found):
+            if type(content) is Message:
+                yield content
+            elif (one := _read(*content)) is not None:
+                yield one
 
 
 def messages(stream: BinaryIO, selection: Selection | None = None) -> Iterator[Entry]:
@@ -99,14 +97,14 @@ def messages(stream: BinaryIO, selection: Selection | None = None) -> Iterator[E
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     for content in contents(stream):
-        if isinstance(content, Schema):
-            schemas[content.id] = content
-        elif isinstance(content, Channel):
-            channels[content.id] = content
-        elif isinstance(content, Message):
+        if isinstance(content, Message):
             channel = channels.get(content.channel_id)
             if channel is not None and wanted.has(channel, content.log_ns):
                 yield Entry(channel, schemas.get(channel.schema_id), content)
+        elif isinstance(content, Schema):
+            schemas[content.id] = content
+        elif isinstance(content, Channel):
+            channels[content.id] = content
 
 
 def read_summary(stream: BinaryIO) -> Summary | None:
@@ -127,8 +125,8 @@ def read_summary(stream: BinaryIO) -> Summary | None:
         return None
 
 
-def _opened(found: Found) -> Iterator[tuple[int, bytes | memoryview]]:
-    """Yield a record, or the records in it if it is a chunk."""
+def _opened(found: Found) -> Iterator[Any]:
+    """Yield a record, or the records in it if it is a chunk; see `contents_of`."""
     if found.kind != Kind.CHUNK:
         if found.is_whole:
             yield found.kind, found.content
@@ -136,11 +134,20 @@ def _opened(found: Found) -> Iterator[tuple[int, bytes | memoryview]]:
     try:
         chunk = Chunk.read(found.content, is_cut=not found.is_whole)
         if found.is_whole:
-            yield from records_in(unpacked(chunk))
+            yield from contents_of(unpacked(chunk))
         elif not chunk.compression:
-            yield from records_in(chunk.data)
+            yield from contents_of(chunk.data)
     except McapError:
         return
+
+
+def _read(kind: int, content: bytes | memoryview) -> Content | None:
+    read = _READERS.get(kind)
+    try:
+        return read(content) if read is not None else None
+    except McapError:
+        # Its length was right, so the records behind it are found all the same.
+        return None
 
 
 def _summary(data: bytes) -> Summary | None:

@@ -7,6 +7,7 @@ Source: https://mcap.dev/spec, "Records".
 import struct
 from collections.abc import Mapping
 from enum import IntEnum
+from typing import NamedTuple
 from zlib import crc32
 
 from attrs import field, frozen
@@ -138,9 +139,8 @@ class Channel:
         return cls(*found, cursor.text_map())
 
 
-@frozen
-class Message:
-    """One message."""
+class Message(NamedTuple):
+    """One message. A tuple, because a file has millions of them."""
 
     channel_id: int
     sequence: int

@@ -96,22 +96,18 @@ class TopicTaps:
         metadata = _metadata(form, ends)
         record = self._channels.channel(topic, form.type_name, form.schema, metadata)
         hear = _hearing(form.encode, record, self._now_ns, self._refuse(topic))
-        if not any(end.profile is None or end.profile.is_latched for end in ends):
-            # Nothing is kept, and a message costs one call less.
-            return self._backend.add_tap(topic, hear)
-        early: list[int] | None = []
+        early: list[int] = []
 
         def first(message: Any) -> None:
             # What comes before the kept ones are known may be among them.
-            if early is not None:
-                early.append(id(message))
+            early.append(id(message))
             hear(message)
 
         tap = self._backend.add_tap(topic, first)
         for message in self._backend.kept_messages(topic):
-            if id(message) not in (early or ()):
+            if id(message) not in early:
                 hear(message)
-        early = None
+        tap.hand_to(hear)
         return tap
 
     def _format(self, end: TopicEnd) -> MessageFormat:

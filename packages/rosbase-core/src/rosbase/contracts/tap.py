@@ -47,6 +47,11 @@ class Tap:
             self._on_message = _nothing
             self._on_fault(self, error)
 
+    def hand_to(self, on_message: Callable[[Any], object]) -> None:
+        """Hand messages to another function from now on. Do nothing if the tap has ended."""
+        if self._on_message is not _nothing:
+            self._on_message = on_message
+
     def close(self) -> None:
         """Hear nothing any more, and leave publishers as they were before. Idempotent.
 

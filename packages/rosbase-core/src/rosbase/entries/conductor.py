@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rosbase.entries.kinds import Kind, Numbered
     from rosbase.entries.payloads import Json, Payload
     from rosbase.entries.script import Entry
+    from rosbase.entries.turn import Turn
     from rosbase.runtime.executor import Executor
 
 __all__ = ["Conductor", "Play", "conductor_of"]
@@ -37,6 +38,11 @@ class Conductor(Protocol):
     @property
     def clock(self) -> "Clock":
         """The clock of the program, whose `conductor` is this."""
+        ...
+
+    @property
+    def turn(self) -> "Turn":
+        """The turn: whoever holds it is inside. For seams that ask with each message."""
         ...
 
     @property

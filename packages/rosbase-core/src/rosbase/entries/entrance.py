@@ -7,6 +7,7 @@ from typing import Any, Protocol, cast
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import NUMBERED, Kind
 from rosbase.entries.script import Entry
+from rosbase.entries.turn import Turn
 
 __all__ = ["Entrance", "Form", "Remaker"]
 
@@ -103,6 +104,11 @@ class Entrance:
         self._play = play
         self._remaker = Remaker(conductor, text, find_form)
         self._number = conductor.number(NUMBERED[kind], text, self._replay)
+
+    @property
+    def turn(self) -> Turn:
+        """The turn: on the thread that holds it, nothing has to come in."""
+        return self._conductor.turn
 
     @property
     def is_inside(self) -> bool:

@@ -20,6 +20,8 @@ __all__ = ["RecordedExecutor", "RecordedTimer", "name_of"]
 
 _NS_PER_S = 1_000_000_000
 _LONGEST_S = 1e6
+# In Python 3.11, to find a member takes 0.2 us.
+_CALL, _TIMER = int(Kind.CALL), int(Kind.TIMER)
 
 
 class RecordedTimer(ExecutorTimer):
@@ -192,7 +194,7 @@ class RecordedExecutor(Executor):
             timer = self._take_due_timer(due_ns) if self.timers else None
             if timer is not None:
                 self._owes_a_call = True
-                recorder.enter_now(Kind.TIMER, timer.number)  # type: ignore[attr-defined]  # ours
+                recorder.enter_now(_TIMER, timer.number)  # type: ignore[attr-defined]  # ours
                 timer.callback()
                 return True
             if not self.ready:
@@ -200,7 +202,7 @@ class RecordedExecutor(Executor):
         else:
             self._owes_a_call = False
         call = self.ready.popleft()
-        recorder.enter_now(Kind.CALL)
+        recorder.enter_now(_CALL)
         call()
         return True
 

@@ -2,23 +2,24 @@
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from attrs import define
+from attrs import Factory, define
 
 from rosbase.entries.kinds import HAS_PAYLOAD, INTS, IS_NOTE, Kind
 from rosbase.entries.payloads import Json, as_bytes, from_json
 from rosbase.entries.trace import TraceBlock
 
-__all__ = ["Creation", "Entry", "read_entries"]
+__all__ = ["NO_NOTES", "Creation", "Entry", "Notes", "read_entries"]
+
+# `Kind(code)` takes ten times as long.
+_KINDS: dict[int, Kind] = {int(kind): kind for kind in Kind}
+_READ_MONO, _READ_DATE, _READ_SLEPT = map(int, (Kind.READ_MONO, Kind.READ_DATE, Kind.READ_SLEPT))
+_READ_LOG, _FACT, _NEW = map(int, (Kind.READ_LOG, Kind.FACT, Kind.NEW))
+# Nobody can add to it. A deque takes a kilobyte, so only what there is has one.
+_NOTHING: deque[Any] = deque(maxlen=0)
 
 T = TypeVar("T")
-
-# Most entries have none. Shared, because a long recording has millions of entries.
-_NO_NUMBERS: deque[int] = deque()
-_NO_FACTS: deque[Json] = deque()
-_KINDS: dict[int, Kind] = dict(zip(Kind, Kind, strict=True))
-_SIZES = {kind: 1 + count for kind, count in INTS.items()}
 
 
 @define
@@ -34,12 +35,34 @@ class Creation:
 
 
 @define
+class Notes:
+    """What a piece of work asked of the world outside, and what it created."""
+
+    mono: deque[int] = _NOTHING
+    """Values of the monotonic clock, in the order in which they were read."""
+    date: deque[int] = _NOTHING
+    """Values of the date, since the date of the start."""
+    slept: deque[int] = _NOTHING
+    """Values of `suspended_ns`."""
+    log: deque[int] = _NOTHING
+    """Dates of log records, since the date of the start."""
+    facts: deque[Json] = _NOTHING
+    """Answers about things outside."""
+    created: list[Creation] = Factory(list)
+    """What the program created."""
+    spoiled: str = ""
+    """Why the run cannot be replayed from here on; empty if it can."""
+
+
+NO_NOTES = Notes()
+"""The notes of the entries without any, which are most. Nobody adds to them."""
+
+
+@define
 class Entry:
-    """A piece of work that ran as a whole, and what it asked of the world outside.
+    """A piece of work that ran as a whole."""
 
-    A replay takes the readings and facts out of it. Nobody else may change it.
-    """
-
+    # A recording of an hour has ten million: each is as small as can be.
     number: int
     """How many entries began before."""
     kind: Kind
@@ -48,20 +71,8 @@ class Entry:
     """The numbers of its kind, as `kinds` has them; the first is the time at which it began."""
     payload: bytes = b""
     """What came from outside."""
-    reads_mono: deque[int] = _NO_NUMBERS
-    """Values of the monotonic clock, in the order in which they were read."""
-    reads_date: deque[int] = _NO_NUMBERS
-    """Values of the date, since the date of the start."""
-    reads_slept: deque[int] = _NO_NUMBERS
-    """Values of `suspended_ns`."""
-    reads_log: deque[int] = _NO_NUMBERS
-    """Dates of log records, since the date of the start."""
-    facts: deque[Json] = _NO_FACTS
-    """Answers about things outside."""
-    created: Sequence[Creation] = ()
-    """What the program created."""
-    spoiled: str = ""
-    """Why the run cannot be replayed from here on; empty if it can."""
+    notes: Notes = NO_NOTES
+    """What belongs to it."""
 
     @property
     def t_ns(self) -> int:
@@ -78,48 +89,50 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Iterator[Entry]:
     entry: Entry | None = None
     expected = 0
     payloads: deque[bytes] = deque()
+    kinds, sizes, is_note, has_payload = _KINDS, INTS, IS_NOTE, HAS_PAYLOAD
     for block in blocks:
         if block.first_entry != expected:
             return
         payloads.extend(map(as_bytes, block.payloads))
-        ints, place, end = block.ints, 0, len(block.ints)
+        ints = block.ints
+        place, end = 0, len(ints)
         while place < end:
             code = ints[place]
-            after = place + _SIZES[code]
-            if code not in IS_NOTE:
+            first = place + 1
+            place = first + sizes[code]
+            if code not in is_note:
                 if entry is not None:
                     yield entry
-                entry = Entry(expected, _KINDS[code], ints[place + 1 : after])
+                payload = payloads.popleft() if code in has_payload else b""
+                entry = Entry(expected, kinds[code], ints[first:place], payload)
                 expected += 1
-                if code in HAS_PAYLOAD:
-                    entry.payload = payloads.popleft()
             elif entry is not None:
-                _add_note(entry, code, ints[place + 1 : after], payloads)
-            place = after
+                if entry.notes is NO_NOTES:
+                    entry.notes = Notes()
+                _add_note(entry.notes, code, ints[first:place], payloads)
     if entry is not None and entry.kind is Kind.END:
         yield entry
 
 
-def _add_note(entry: Entry, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:
-    if code == Kind.READ_MONO:
-        entry.reads_mono = _with(entry.reads_mono, numbers[0])
-    elif code == Kind.READ_DATE:
-        entry.reads_date = _with(entry.reads_date, numbers[0])
-    elif code == Kind.READ_SLEPT:
-        entry.reads_slept = _with(entry.reads_slept, numbers[0])
-    elif code == Kind.READ_LOG:
-        entry.reads_log = _with(entry.reads_log, numbers[0])
-    elif code == Kind.FACT:
-        entry.facts = _with(entry.facts, from_json(payloads.popleft()))
-    elif code == Kind.NEW:
-        text = payloads.popleft().decode()
-        entry.created = (*entry.created, Creation(numbers[0], numbers[1], text))
+def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:
+    if code == _READ_MONO:
+        notes.mono = _joined(notes.mono, numbers[0])
+    elif code == _READ_DATE:
+        notes.date = _joined(notes.date, numbers[0])
+    elif code == _READ_SLEPT:
+        notes.slept = _joined(notes.slept, numbers[0])
+    elif code == _READ_LOG:
+        notes.log = _joined(notes.log, numbers[0])
+    elif code == _FACT:
+        notes.facts = _joined(notes.facts, from_json(payloads.popleft()))
+    elif code == _NEW:
+        notes.created.append(Creation(numbers[0], numbers[1], payloads.popleft().decode()))
     else:
-        entry.spoiled = payloads.popleft().decode()
+        notes.spoiled = payloads.popleft().decode()
 
 
-def _with(values: deque[T], value: T) -> deque[T]:
-    if not values:
+def _joined(values: deque[T], value: T) -> deque[T]:
+    if values is _NOTHING:
         return deque((value,))
     values.append(value)
     return values

@@ -6,6 +6,7 @@ in as an entry. On the thread that runs the program, they are as all others.
 
 from collections.abc import Callable
 from functools import cache, partial
+from threading import get_ident
 from typing import Any, TypeAlias
 
 from rosbase.entries.conductor import Conductor
@@ -23,7 +24,7 @@ FindForm: TypeAlias = Callable[[type], Form]
 class GuardedSubscription(LocalSubscription):
     """A subscription whose messages from outside are entries."""
 
-    __slots__ = ("_entrance",)
+    __slots__ = ("_entrance", "_turn")
 
     def __init__(
         self,
@@ -44,11 +45,13 @@ class GuardedSubscription(LocalSubscription):
         """
         super().__init__(topic, callback, profile, schedule)
         self._entrance = entrance(super().deliver)
+        self._turn = self._entrance.turn
 
     def deliver(self, message: Any) -> None:
         """Queue a message, from any thread; drop the oldest if the queue is full."""
-        if self._entrance.is_inside:
-            super().deliver(message)
+        if self._turn.owner == get_ident():
+            # Without `super()`, which takes as long as all else here.
+            LocalSubscription.deliver(self, message)
         else:
             self._entrance.let_in(message, super().deliver)
 
@@ -67,7 +70,8 @@ def guarded_publisher(
     """
     kind: Any = publisher_class(msg_type, profile)
     publisher: LocalPublisher = _guarded(kind)(topic, msg_type, profile)
-    publisher._entrance = Entrance(  # type: ignore[attr-defined]  # which only this class has
+    publisher._turn = conductor.turn  # type: ignore[attr-defined]  # which only this class has
+    publisher._entrance = Entrance(  # type: ignore[attr-defined]  # likewise
         conductor,
         Kind.PUBLISH,
         topic,
@@ -80,15 +84,16 @@ def guarded_publisher(
 @cache
 def _guarded(kind: Any) -> Any:
     """Return a class of publishers as a guarded one."""
+    publish_plainly = kind.publish
 
     class Guarded(kind):  # type: ignore[misc]  # one for each kind
-        __slots__ = ("_entrance",)
+        __slots__ = ("_entrance", "_turn")
 
         def publish(self, message: Any) -> None:
             """Queue the message for every matching subscription. Call it from any thread."""
             # A message of another type is refused as ever.
-            if self._entrance.is_inside or not isinstance(message, self._msg_type):
-                super().publish(message)
+            if self._turn.owner == get_ident() or not isinstance(message, self._msg_type):
+                publish_plainly(self, message)
             else:
                 self._entrance.let_in(message, super().publish)
 

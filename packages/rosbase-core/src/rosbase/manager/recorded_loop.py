@@ -34,7 +34,7 @@ def run_recorded_loop(
     recorder = executor.recorder
     monotonic_ns, start_ns = recorder.clock.machine.monotonic_ns, recorder.clock.start_ns
     ready, timers, notes = executor.ready, executor.timers, stats.notes
-    begin = recorder.trace.begin
+    begin, begin_tick, end_tick = recorder.trace.begin, int(Kind.TICK), int(Kind.TICK_END)
     rate = Rate(frequency_hz, monotonic_ns())
     deadline_ns = rate.deadline_ns
     early = EarlyWake(_NS_PER_S / float(frequency_hz)) if is_precise else None
@@ -64,12 +64,12 @@ def run_recorded_loop(
                 while now_ns < deadline_ns:
                     now_ns = monotonic_ns()
             notes.append(now_ns)
-            begin(Kind.TICK, now_ns - start_ns, stats.overruns, len(ready))
+            begin(begin_tick, now_ns - start_ns, stats.overruns, len(ready))
             tick()
             end_ns = monotonic_ns()
             notes.append(end_ns)
             deadline_ns = rate.advance(end_ns)
             stats.overruns = rate.skipped
-            begin(Kind.TICK_END, end_ns - start_ns, rate.skipped)
+            begin(end_tick, end_ns - start_ns, rate.skipped)
         recorder.enter_now(Kind.LOOK)
         look_after()

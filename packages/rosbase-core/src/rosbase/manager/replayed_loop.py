@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["run_replayed_loop"]
 
+# In Python 3.11, to find a member takes 0.2 us.
+_TICK, _TICK_END = Kind.TICK, Kind.TICK_END
+
 
 def run_replayed_loop(
     executor: Executor,
@@ -34,13 +37,13 @@ def run_replayed_loop(
     # The recorded loop asked at these places whether to stop.
     while not stopping():
         entry = executor.follow_to_loop()
-        while entry is not None and entry.kind == Kind.TICK:
+        while entry is not None and entry.kind is _TICK:
             loop.run_tick(entry, len(executor.ready))
             entry = executor.follow_to_loop()
         if entry is None:
             _run_freely(executor, frequency_hz, loop, stopping, look_after)
             return
-        if entry.kind == Kind.LOOK and player.take() is not None:
+        if entry.kind is Kind.LOOK and player.take() is not None:
             look_after()
 
 
@@ -64,11 +67,11 @@ class _Loop:
         try:
             self._tick()
         except BaseException as error:
-            if player.next is not None and player.next.kind == Kind.TICK_END:
+            if player.next is not None and player.next.kind is _TICK_END:
                 player.differ(f"the tick raised {type(error).__name__}: {error}")
             raise
         if not player.is_free:
-            if player.next is None or player.next.kind != Kind.TICK_END:
+            if player.next is None or player.next.kind is not _TICK_END:
                 player.differ("the tick ends")
             elif (end := player.take()) is not None:
                 self.stats.overruns = end.ints[1]

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterable, Mapping
+from threading import get_ident
 from typing import Any
 
 from rosbase import Backend, make_logger
@@ -11,7 +12,7 @@ from rosbase.entries.trace import Trace
 from rosbase.logger.observer import add_observer, remove_observer
 from rosbase_mcap.channel_table import ROS2MSG
 from rosbase_mcap.log_channel import LOG_TOPIC, LogChannel
-from rosbase_mcap.outputs import Output, number_in_file
+from rosbase_mcap.outputs import MASK
 from rosbase_mcap.records import Schema
 from rosbase_mcap.topic_taps import TopicTaps, wanted
 
@@ -25,7 +26,7 @@ class Listener:
         self,
         topics: Iterable[str],
         declare: Callable[[str, Schema], object],
-        hear: Callable[[Output], object],
+        hear: Callable[[int, str, int, bytes], object],
         *,
         on_begin: Callable[[Backend], object] = lambda backend: None,
     ) -> None:
@@ -34,7 +35,8 @@ class Listener:
         Args:
             topics: Full names of the topics; none stands for all.
             declare: Takes the schema of each topic, before its first message.
-            hear: Takes each message.
+            hear: Takes each message: number of the entry, topic, `log_ns` and data, as `Output`
+                has them.
             on_begin: Called with the connection of the program, before it has components.
         """
         self._topics = frozenset(topics)
@@ -65,10 +67,10 @@ class Listener:
     ) -> Callable[[int, int, bytes], object]:
         """Return the function that takes a message of a topic; see `Channels`."""
         self._declare(topic, Schema(0, type_name, ROS2MSG, schema.encode()))
-        conductor, trace, hear = self._conductor, self._trace, self._hear
+        turn, trace, hear = self._conductor.turn, self._trace, self._hear
 
         def take(log_ns: int, publish_ns: int, data: bytes) -> None:
-            if conductor.is_inside:
-                hear(Output(number_in_file(trace.number), topic, log_ns, data))
+            if turn.owner == get_ident():
+                hear(trace.number & MASK, topic, log_ns, data)
 
         return take

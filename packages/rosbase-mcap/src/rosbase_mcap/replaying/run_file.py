@@ -12,9 +12,9 @@ from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.commands.opened import opened
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.outputs import Output
-from rosbase_mcap.reading import contents, messages, read_summary
+from rosbase_mcap.reading import contents, read_summary
 from rosbase_mcap.recorder import LOSSES
-from rosbase_mcap.records import PREFIX, Attachment, Channel, Metadata, Schema
+from rosbase_mcap.records import PREFIX, Attachment, Channel, Message, Metadata, Schema
 from rosbase_mcap.splitting import part_path
 from rosbase_mcap.traces import END, RUN, Run, RunEnd, blocks_of, is_trace, read_end, read_run
 
@@ -44,14 +44,23 @@ class RunFile:
         """Yield what the program has published, in its order."""
         for path in self.paths:
             with opened(path) as stream:
-                for entry in messages(stream):
-                    channel, message = entry.channel, entry.message
-                    if channel.metadata.get(ORIGIN) == OUTSIDE:
-                        continue
-                    topic = channel.topic
-                    if entry.schema is not None and topic not in self.schemas:
-                        self.schemas[topic] = entry.schema
-                    yield Output(message.sequence, topic, message.log_ns, message.data)
+                yield from self._outputs(stream)
+
+    def _outputs(self, stream: BinaryIO) -> Iterator[Output]:
+        schemas: dict[int, Schema] = {}
+        topics: dict[int, str] = {}
+        for content in contents(stream):
+            if type(content) is Message:
+                topic = topics.get(content.channel_id)
+                if topic is not None:
+                    yield Output(content.sequence, topic, content.log_ns, content.data)
+            elif type(content) is Schema:
+                schemas[content.id] = content
+            elif type(content) is Channel and content.metadata.get(ORIGIN) != OUTSIDE:
+                topics[content.id] = content.topic
+                schema = schemas.get(content.schema_id)
+                if schema is not None:
+                    self.schemas.setdefault(content.topic, schema)
 
     def _attachments(self) -> Iterator[Attachment]:
         for path in self.paths:

@@ -37,7 +37,7 @@ class Session:
     def __init__(
         self,
         options: ReplayOptions,
-        hear: Callable[[Output], object] = lambda output: None,
+        hear: Callable[[Output], object] | None = None,
         *,
         may_have_topics_only: bool = False,
     ) -> None:
@@ -169,16 +169,21 @@ class Session:
         if self._comparison is not None:
             self._comparison.declare(topic, schema)
 
-    def _take(self, output: Output) -> None:
-        player = self._player
-        if player is None or self._is_behind_the_end(player):
+    def _take(self, number: int, topic: str, log_ns: int, data: bytes) -> None:
+        player, comparison = self._player, self._comparison
+        if player is None:
             return
+        if player.is_free:
+            if self._is_behind_the_end(player):
+                return
+            if comparison is not None:
+                self._note_flow(comparison, player)
         self._messages += 1
-        self._digest.add(output.number, output.topic, output.data)
-        if self._comparison is not None:
-            self._note_flow(self._comparison, player)
-            self._comparison.hear(output)
-        self._hear(output)
+        self._digest.add(number, topic, data)
+        if comparison is not None:
+            comparison.hear(number, topic, log_ns, data)
+        if self._hear is not None:
+            self._hear(Output(number, topic, log_ns, data))
 
     def _is_behind_the_end(self, player: Player) -> bool:
         """Return whether the script is over, and the program only ends."""

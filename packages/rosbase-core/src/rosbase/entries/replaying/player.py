@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from threading import get_ident
 from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
@@ -19,9 +18,10 @@ from rosbase.entries.replaying.registry import Registry
 from rosbase.entries.replaying.replayed_clock import ReplayedClock
 from rosbase.entries.replaying.replayed_executor import ReplayedExecutor
 from rosbase.entries.replaying.virtual_clock import VirtualClock
-from rosbase.entries.script import Entry
+from rosbase.entries.script import NO_NOTES, Entry
 from rosbase.entries.sink import EndFacts, RecordingSink, RunFacts
 from rosbase.entries.trace import Trace
+from rosbase.entries.turn import Turn
 
 __all__ = ["Player"]
 
@@ -30,6 +30,8 @@ T = TypeVar("T")
 _REMEMBERED = 5
 _OUTSIDE = -1
 _IN_SECTIONS = INPUTS | {Kind.SECTION}
+# In Python 3.11, to find a member takes longer than all else with an entry.
+_TICK, _POSTED = Kind.TICK, Kind.POSTED
 _NOTHING = Entry(-1, Kind.BEGIN, (0,))
 
 
@@ -62,8 +64,11 @@ class Player:
             inputs: If given, the replay is free from the start, and these come in instead of the
                 script's. The program is asked to stop after the last.
         """
+        self.turn = Turn()
+        """The right to run the program, which one thread has for good."""
+        self.turn.acquire()
         self.machine = VirtualClock(facts.start_date_ns, facts.start_monotonic_ns)
-        self.clock: ReplayedClock = ReplayedClock(self, self.machine)
+        self.clock: ReplayedClock = ReplayedClock(self, self.machine, self.turn)
         self.facts = facts
         """Facts of the recorded run."""
         self.difference: FlowDifference | None = None
@@ -106,7 +111,7 @@ class Player:
     @property
     def is_inside(self) -> bool:
         """Whether the calling thread runs the program: the only one that does, from its start."""
-        return get_ident() == self.clock.thread_id
+        return self.turn.is_mine
 
     def make_executor(self) -> ReplayedExecutor:
         """Return the executor of the program; called once."""
@@ -174,9 +179,10 @@ class Player:
     def fact(self, read: Callable[[], Json]) -> Json:
         """Return the recorded answer; what is known without it if there is none."""
         # A free program may ask something else, at another time.
-        if self.is_free or not self.is_inside or not self.entry.facts:
+        facts = self.entry.notes.facts
+        if self.is_free or not self.is_inside or not facts:
             return read()
-        return self.entry.facts.popleft()
+        return facts.popleft()
 
     def section(self, transport: int, op: str, call: Callable[[], Json]) -> Json:
         """Run what came in during the call, and return its result or raise its error."""
@@ -215,25 +221,21 @@ class Player:
     def take(self) -> Entry | None:
         """Begin the next entry, and return it; None if the program has not done all of this one."""
         entry = self.next
-        if entry is not None and self._created:
+        if entry is None:
+            return None
+        if self._created:
             what, text = self._created[0]
             self.differ(f"the program has not created {_a(what)}: {text}", self.entry)
-            return None
-        if entry is None:
             return None
         self.entry = entry
         self._recent.appendleft(entry)
         self.trace.number = entry.number
-        if entry.created:
-            self._note_created(entry)
-        if entry.kind == Kind.TICK:
+        if entry.kind is _TICK:
             self._ticks += 1
         self.clock.begin(entry)
-        if entry.spoiled:
-            self.spoiled, self.next = entry.spoiled, None
-            self._script = iter(())
-        else:
-            self.next = next(self._script, None)
+        if entry.notes is not NO_NOTES:
+            self._note(entry)
+        self.next = next(self._script, None)
         if self._pace is not None:
             self._pace.wait(entry.t_ns, self._is_over)
         return entry
@@ -241,7 +243,7 @@ class Player:
     def play(self, entry: Entry) -> None:
         """Let an entry that came from outside come in."""
         kind = entry.kind
-        if kind == Kind.POSTED:
+        if kind is _POSTED:
             self._play_posted(entry)
             return
         named = NUMBERED.get(kind)
@@ -305,8 +307,15 @@ class Player:
     def _is_over(self) -> bool:
         return self.was_interrupted
 
+    def _note(self, entry: Entry) -> None:
+        """Note what the entry creates, and whether the script ends with it."""
+        self._note_created(entry)
+        if entry.notes.spoiled:
+            self.spoiled = entry.notes.spoiled
+            self._script = iter(())
+
     def _note_created(self, entry: Entry) -> None:
-        for creation in entry.created:
+        for creation in entry.notes.created:
             if creation.what == Numbered.THREAD:
                 self._threads[creation.number] = creation.text
                 continue
@@ -333,8 +342,8 @@ class Player:
         yield from first
         for entry in self._script:
             yield entry
-            if entry.spoiled:
-                self.spoiled = entry.spoiled
+            if entry.notes.spoiled:
+                self.spoiled = entry.notes.spoiled
                 return
 
     def _with_stop(self, inputs: Iterable[Input]) -> Iterable[Input]:

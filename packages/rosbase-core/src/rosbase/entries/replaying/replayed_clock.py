@@ -1,14 +1,14 @@
 """The clock of a replayed program: it reads what it read when it was recorded."""
 
 import threading
-from collections import deque
 from collections.abc import Callable
 from threading import get_ident
 from typing import TYPE_CHECKING
 
 from rosbase.clock import SystemClock
 from rosbase.entries.replaying.virtual_clock import VirtualClock
-from rosbase.entries.script import Entry
+from rosbase.entries.script import NO_NOTES, Entry
+from rosbase.entries.turn import Turn
 from rosbase.messages import Time
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ReplayedClock"]
 
-_NO_READS: deque[int] = deque()
 _MACHINE = SystemClock()
 _MOMENT_S = 0.001
 
@@ -27,40 +26,40 @@ class ReplayedClock:
     On other threads it is the clock of the machine, whose time is that of the entry.
     """
 
-    def __init__(self, conductor: "Conductor", machine: VirtualClock) -> None:
+    def __init__(self, conductor: "Conductor", machine: VirtualClock, turn: Turn) -> None:
         """Start with no recorded readings.
 
         Args:
             conductor: The replay.
             machine: The clock below.
+            turn: Its holder is the thread that runs the program.
         """
         self.conductor = conductor
         """The replay, for all who ask whether there is one."""
         self.machine = machine
         """The clock of the machine in this replay."""
-        self.thread_id = get_ident()
-        """The thread that runs the program."""
-        self._mono = self._date = self._slept = self._log = _NO_READS
+        self._turn = turn
+        # Readings that are taken out one by one.
+        self._notes = NO_NOTES
         self._planned = self._more = 0
-        self._sleeps_count = True
+        self._sleeps_count = False
 
     def begin(self, entry: Entry) -> None:
         """Go on with the readings of an entry."""
-        self._mono, self._date, self._slept = entry.reads_mono, entry.reads_date, entry.reads_slept
-        self._log = entry.reads_log
-        self._planned, self._more = len(self._mono) + len(self._date), 0
-        self.machine.move_to(entry.t_ns)
-        self._sleeps_count = False
+        notes = self._notes = entry.notes
+        self._planned = 0 if notes is NO_NOTES else len(notes.mono) + len(notes.date)
+        self._more = 0
+        self.machine.move_to(entry.ints[0])
 
     def begin_free(self) -> None:
         """Forget the recorded readings: from now on, the clock is that of the machine."""
-        self._mono = self._date = self._slept = self._log = _NO_READS
+        self._notes = NO_NOTES
         self._sleeps_count = True
 
     @property
     def reads(self) -> tuple[int, int]:
         """How often the entry has read the clock so far, and how often it did when recorded."""
-        left = len(self._mono) + len(self._date)
+        left = len(self._notes.mono) + len(self._notes.date)
         return self._planned - left + self._more, self._planned
 
     def now(self) -> Time:
@@ -69,30 +68,30 @@ class ReplayedClock:
 
     def now_ns(self) -> int:
         """Return the date in nanoseconds since the Unix epoch."""
-        if get_ident() == self.thread_id:
-            if self._date:
-                return self.machine.date_read(self._date.popleft())
+        if self._turn.owner == get_ident():
+            if self._notes.date:
+                return self.machine.date_read(self._notes.date.popleft())
             self._more += 1
         return self.machine.now_ns()
 
     def log_now_ns(self) -> int:
         """Return the date for a log record."""
-        if self._log and get_ident() == self.thread_id:
-            return self.machine.date_read(self._log.popleft())
+        if self._notes.log and self._turn.owner == get_ident():
+            return self.machine.date_read(self._notes.log.popleft())
         return self.machine.now_ns()
 
     def monotonic_ns(self) -> int:
         """Return the monotonic time."""
-        if get_ident() == self.thread_id:
-            if self._mono:
-                return self.machine.mono_read(self._mono.popleft())
+        if self._turn.owner == get_ident():
+            if self._notes.mono:
+                return self.machine.mono_read(self._notes.mono.popleft())
             self._more += 1
         return self.machine.monotonic_ns()
 
     def suspended_ns(self) -> int:
         """Return for how long the machine had slept."""
-        if self._slept and get_ident() == self.thread_id:
-            return self.machine.slept_read(self._slept.popleft())
+        if self._notes.slept and self._turn.owner == get_ident():
+            return self.machine.slept_read(self._notes.slept.popleft())
         return self.machine.suspended_ns()
 
     def sleep(self, seconds: float) -> None:
@@ -100,7 +99,7 @@ class ReplayedClock:
 
         A thread of the user sleeps for a moment, so that it does not keep the processor busy.
         """
-        if get_ident() != self.thread_id:
+        if not self._turn.is_mine:
             _MACHINE.sleep(min(seconds, _MOMENT_S))
         elif self._sleeps_count:
             self.machine.sleep(seconds)

@@ -19,8 +19,11 @@ __all__ = ["ReplayedExecutor", "ReplayedTimer"]
 
 _NS_PER_S = 1_000_000_000
 _LONGEST_S = 1e6
-_SPINS = INPUTS | {Kind.CALL, Kind.TIMER, Kind.RETURN}
-_WAITS = INPUTS | {Kind.URGENT, Kind.RETURN}
+# In Python 3.11, to find a member takes longer than to run an entry.
+_CALL, _TIMER, _URGENT, _RETURN = Kind.CALL, Kind.TIMER, Kind.URGENT, Kind.RETURN
+_SPINS = INPUTS | {_CALL, _TIMER, _RETURN}
+_WAITS = INPUTS | {_URGENT, _RETURN}
+_OF_LOOP = frozenset({Kind.TICK, Kind.LOOK, _RETURN})
 
 
 class ReplayedTimer(ExecutorTimer):
@@ -45,18 +48,18 @@ class ReplayedExecutor(Executor):
     left to do at that instant, so a tick and a timer of the same instant precede it.
     """
 
-    __slots__ = ("_machine", "_timers_by_number", "player")
+    __slots__ = ("_machine", "_timers_by_number", "_turn", "player")
 
     def __init__(self, player: "Player") -> None:
         super().__init__(player.clock)
-        self.player, self._machine = player, player.machine
+        self.player, self._machine, self._turn = player, player.machine, player.turn
         self._monotonic_ns = player.machine.monotonic_ns
         self._wait = self._wait_freely
         self._timers_by_number: dict[int, ReplayedTimer] = {}
 
     def begin(self, stopping: Callable[[], object]) -> None:
         """Note that this thread runs the program."""
-        self.player.clock.thread_id = get_ident()
+        self._turn.take_over()
         super().begin(stopping)
 
     def begin_free(self) -> None:
@@ -69,8 +72,9 @@ class ReplayedExecutor(Executor):
 
     def call_soon(self, function: Callable[[], object]) -> None:
         """Queue a call."""
-        if self.player.is_inside:
-            super().call_soon(function)
+        if self._turn.owner == get_ident():
+            # Nobody sleeps who would have to be woken.
+            self.ready.append(function)
         else:
             self.player.post(lambda: self.call_soon(function))
 
@@ -111,7 +115,7 @@ class ReplayedExecutor(Executor):
             raise BackendError("the backend is closed")
         timer = ReplayedTimer(self, period_ns, callback)
         timer.number = self.player.number(
-            Numbered.TIMER, name_of(callback), lambda entry: self._play_timer(timer, entry)
+            Numbered.TIMER, name_of(callback), lambda entry: self._operate(timer, entry)
         )
         if timer.number >= 0:
             self._timers_by_number[timer.number] = timer
@@ -138,7 +142,7 @@ class ReplayedExecutor(Executor):
         """Run what the recorded call ran; return what it returned."""
         while not self.player.is_free:
             entry = self._follow(_SPINS)
-            if entry is not None and entry.kind == Kind.RETURN:
+            if entry is not None and entry.kind is _RETURN:
                 return bool(entry.ints[1])
         self._play_late()
         return super().spin_once(timeout_s)
@@ -147,7 +151,7 @@ class ReplayedExecutor(Executor):
         """Run what the recorded call ran."""
         while not self.player.is_free:
             entry = self._follow(_SPINS)
-            if entry is not None and entry.kind == Kind.RETURN:
+            if entry is not None and entry.kind is _RETURN:
                 return
         self._play_late()
         super().spin_until(deadline_ns, stopping)
@@ -162,7 +166,7 @@ class ReplayedExecutor(Executor):
         try:
             while not self.player.is_free:
                 entry = self._follow(_WAITS)
-                if entry is not None and entry.kind == Kind.RETURN:
+                if entry is not None and entry.kind is _RETURN:
                     return
         finally:
             self._waits_end_ns = outer_ns
@@ -175,15 +179,12 @@ class ReplayedExecutor(Executor):
         Returns:
             A TICK or a LOOK, not begun yet, or a RETURN; None if the program no longer follows.
         """
-        player = self.player
-        while not player.is_free:
-            coming = player.next
-            if coming is not None and coming.kind in (Kind.TICK, Kind.LOOK):
-                return coming
-            entry = self._follow(_SPINS)
-            if entry is not None and entry.kind == Kind.RETURN:
-                return entry
-        return None
+        player, follow = self.player, self._follow
+        while (coming := player.next) is None or coming.kind not in _OF_LOOP:
+            follow(_SPINS)
+            if player.is_free:
+                return None
+        return coming if coming.kind is not _RETURN else follow(_SPINS)
 
     def _follow(self, expected: frozenset[int]) -> Entry | None:
         """Run the next entry, and return it; None if the program no longer follows the script."""
@@ -192,24 +193,25 @@ class ReplayedExecutor(Executor):
             player.differ("the program waits for calls and messages")
             return None
         kind = coming.kind
-        if (kind == Kind.CALL and not self.ready) or (kind == Kind.URGENT and not self._urgent):
+        if (kind is _CALL and not self.ready) or (kind is _URGENT and not self._urgent):
             player.differ("no call is left")
             return None
         entry = player.take()
-        if entry is None or kind == Kind.RETURN:
-            return entry
-        if kind == Kind.CALL:
+        if entry is None:
+            return None
+        if kind is _CALL:
             self.ready.popleft()()
-        elif kind == Kind.URGENT:
+        elif kind is _TIMER and entry.ints[1] in self._timers_by_number:
+            self._call_timer(self._timers_by_number[entry.ints[1]], entry)
+        elif kind is _URGENT:
             self._urgent.popleft()()
-        else:
+        elif kind is not _RETURN:
             player.play(entry)
         return entry
 
-    def _play_timer(self, timer: ReplayedTimer, entry: Entry) -> None:
-        if entry.kind == Kind.TIMER:
-            self._call_timer(timer, entry)
-        elif entry.ints[2] == TimerOp.RESET:
+    def _operate(self, timer: ReplayedTimer, entry: Entry) -> None:
+        """Do what another thread did with a timer."""
+        if entry.ints[2] == TimerOp.RESET:
             self.start_timer(timer)
         else:
             self.cancel_timer(timer, destroy=entry.ints[2] == TimerOp.DESTROY)
@@ -218,8 +220,10 @@ class ReplayedExecutor(Executor):
         if timer.serial is None:
             self.player.differ("this timer does not run", entry)
             return
-        periods = 1 + max(0, self._monotonic_ns() - timer.due_ns) // timer.period_ns
-        self._push(timer.due_ns + periods * timer.period_ns, timer)
+        late_ns = self._machine.start_ns + self._machine.t_ns - timer.due_ns
+        periods = 1 if late_ns < timer.period_ns else 1 + late_ns // timer.period_ns
+        # The script says when it is due.
+        timer.due_ns += periods * timer.period_ns
         # Whose turn is next, should the program no longer follow.
         self._owes_a_call = True
         timer.callback()

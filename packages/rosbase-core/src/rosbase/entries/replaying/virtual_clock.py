@@ -13,7 +13,9 @@ class VirtualClock:
 
     def __init__(self, start_date_ns: int, start_monotonic_ns: int) -> None:
         """Start at the beginning of the recorded run."""
-        self._start_date_ns, self._start_ns = start_date_ns, start_monotonic_ns
+        self._start_date_ns = start_date_ns
+        self.start_ns = start_monotonic_ns
+        """Monotonic time of the start of the run."""
         self._date_ns = start_date_ns
         self._slept_ns = 0
         self.t_ns = 0
@@ -30,7 +32,7 @@ class VirtualClock:
         """Move to a recorded reading, in nanoseconds since the start; return the absolute one."""
         if value_ns > self.t_ns:  # noqa: PLR1730 - `max` takes twice as long
             self.t_ns = value_ns
-        return self._start_ns + value_ns
+        return self.start_ns + value_ns
 
     def date_read(self, value_ns: int) -> int:
         """Move the date to a recorded reading, since the date of the start; return the date."""
@@ -59,7 +61,7 @@ class VirtualClock:
             RuntimeError: Millions of readings, and time stands still.
         """
         self._look()
-        return self._start_ns + self.t_ns
+        return self.start_ns + self.t_ns
 
     def suspended_ns(self) -> int:
         """Return for how long the machine had slept at the last recorded reading."""
