@@ -40,7 +40,8 @@ _FLAGS = (
     "--disable-sync",
     "--remote-debugging-port=0",
 )
-_SIZE = (1100, 900)
+# A processor draws each pixel.
+_SIZE = (860, 640)
 _TIMEOUT_MS = 25_000
 _TEXT = (
     "[document.body?.innerText ?? '',"
@@ -135,6 +136,14 @@ class Browser:
         options = "[...document.querySelectorAll('[role=option]')].map(one => one.innerText)"
         self.until_true(f"{options}.includes({json.dumps(label)})", f"the option {label}")
         self.press(label)
+
+    def hide(self, selector: str) -> None:
+        """Hides the elements of a selector, and those that come later."""
+        rule = json.dumps(f"{selector} {{ display: none !important }}")
+        self.run(
+            "document.head.append("
+            f"Object.assign(document.createElement('style'), {{textContent: {rule}}})) ?? 0"
+        )
 
     def screenshot(self) -> bytes:
         """What the page looks like, as PNG."""
