@@ -8,7 +8,6 @@ import struct
 import sys
 import zlib
 from array import array
-from collections import deque
 from collections.abc import Iterator
 
 from attrs import frozen
@@ -113,9 +112,9 @@ class Trace:
     __slots__ = ("_next_entry", "ints", "number", "payloads")
 
     def __init__(self) -> None:
-        self.ints: deque[int] = deque()
+        self.ints: list[int] = []
         """Notes that nobody has taken yet: kinds, each with its numbers."""
-        self.payloads: deque[Payload] = deque()
+        self.payloads: list[Payload] = []
         """Their payloads."""
         self.number = -1
         """Number of the entry that began last."""
@@ -137,11 +136,13 @@ class Trace:
 
     def take(self) -> TraceBlock:
         """Return what was noted since the last call. Only one thread may call it."""
-        # Each note is one step of Python, so that there is never half of one.
-        pop = self.ints.popleft
-        ints = tuple([pop() for _ in range(len(self.ints))])
-        pop_payload = self.payloads.popleft
-        payloads = tuple([pop_payload() for _ in range(len(self.payloads))])
+        # Each note is one step of Python, and so is each of these.
+        count = len(self.ints)
+        ints = tuple(self.ints[:count])
+        del self.ints[:count]
+        count = len(self.payloads)
+        payloads = tuple(self.payloads[:count])
+        del self.payloads[:count]
         block = TraceBlock(self._next_entry, ints, payloads)
         self._next_entry += sum(1 for _ in block.starts)
         return block
