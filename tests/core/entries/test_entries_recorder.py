@@ -404,6 +404,23 @@ def test_after_the_end_all_goes_on_without_a_recording(virtual: Rig) -> None:
     assert [entry.kind for entry in entries] == [Kind.BEGIN, Kind.END]
 
 
+def test_a_program_that_is_given_up_on_another_thread_ends_its_recording(virtual: Rig) -> None:
+    on_thread(lambda: virtual.recorder.end(None))
+    assert [entry.kind for entry in read_entries([virtual.recorder.trace.take()])] == [
+        *(Kind.BEGIN, Kind.END)
+    ]
+
+
+def test_nothing_is_recorded_in_a_forked_child(virtual: Rig) -> None:
+    heard: list[int] = []
+    virtual.recorder.forget()
+    virtual.recorder.clock.monotonic_ns()
+    virtual.recorder.come_in(Kind.FRAME, (0, 0), b"", lambda: heard.append(1))
+    virtual.spin(0.0)
+    assert heard == [1]
+    assert list(virtual.recorder.trace.take().ints) == [Kind.BEGIN, 0]
+
+
 def test_the_sink_is_told_of_the_end() -> None:
     class Sink:
         ends: list[EndFacts] = []  # noqa: RUF012 - one test

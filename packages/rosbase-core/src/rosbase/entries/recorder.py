@@ -1,11 +1,13 @@
 """The recorder: numbers everything that runs in a program, and notes what comes from outside."""
 
+import os
 import threading
 from collections import deque
 from collections.abc import Callable
 from functools import partial
 from itertools import count
 from typing import Any, TypeVar
+from weakref import WeakSet
 
 from attrs import define
 
@@ -32,6 +34,9 @@ _ALL = 1 << 62
 _MOST_ITEMS = 65_536
 _PATIENCE_S = 1.0
 _OUTSIDE = -1
+
+
+_recorders: "WeakSet[Recorder]" = WeakSet()
 
 
 @define
@@ -83,6 +88,7 @@ class Recorder:
         self._is_over = False
         self.turn.acquire()
         self.trace.begin(Kind.BEGIN, 0)
+        _recorders.add(self)
 
     @property
     def is_inside(self) -> bool:
@@ -115,8 +121,9 @@ class Recorder:
         """End the recording. What comes from outside from now on comes in without it."""
         if self._is_over:
             return
-        if not self.turn.is_mine:
-            self.turn.acquire()
+        if not (self.turn.is_mine or self.turn.acquire(_PATIENCE_S)):
+            # The thread that has built the program may be elsewhere for ever.
+            self.turn.take_over()
         self.bring_in()
         self.enter_now(Kind.END)
         self._is_over = True
@@ -128,12 +135,18 @@ class Recorder:
             ended_by = f"{type(error).__name__}: {error}" if error is not None else ""
             self._sink.close(EndFacts(self.trace.number + 1, ended_by, list(self.spoiled)))
 
+    def forget(self) -> None:
+        """Record nothing more. Called in a forked child, where no thread writes."""
+        self._is_over = True
+        self.turn.forget()
+
     # Inside.
 
     def enter_now(self, kind: int, *numbers: int, payload: Payload | None = None) -> None:
         """Begin an entry: what the thread inside does from now on belongs to it."""
-        now_ns = self._monotonic_ns() - self._start_ns
-        self.trace.begin(kind, now_ns, *numbers, payload=payload)
+        if not self._is_over:
+            now_ns = self._monotonic_ns() - self._start_ns
+            self.trace.begin(kind, now_ns, *numbers, payload=payload)
 
     def number(self, what: Numbered, text: str, play: Play | None = None) -> int:
         """Return the number of something that the program creates; -1 for a thread outside."""
@@ -279,7 +292,7 @@ class Recorder:
             self.bring_in()
 
     def _bring_in(self, item: _Item) -> None:
-        if item.kind is not Kind.SPOIL and not self._is_over:
+        if item.kind is not Kind.SPOIL:
             self._begin(item.kind, item.numbers, item.payload)
         try:
             item.run()
@@ -301,3 +314,12 @@ class Recorder:
     def _wake(self) -> None:
         if self._executor is not None:
             self._executor.wake()
+
+
+def _forget_in_child() -> None:
+    for recorder in list(_recorders):
+        recorder.forget()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_in_child)

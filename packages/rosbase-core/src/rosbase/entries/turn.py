@@ -54,3 +54,8 @@ class Turn:
         if not self._lock.locked():
             self._lock.acquire()
         self.owner = get_ident()
+
+    def forget(self) -> None:
+        """Free it, in a forked child, where its holder may not exist."""
+        self._lock = threading.Lock()
+        self.owner, self._is_wanted = _NOBODY, False
