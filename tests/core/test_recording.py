@@ -11,6 +11,7 @@ from rosbase import (
     BaseNode,
     ConfigurationError,
     NotInstalledError,
+    PluginRegistry,
     RecordingError,
     RecordOptions,
     RosbaseLogger,
@@ -149,7 +150,7 @@ def test_a_child_does_not_record_itself(
 
 def test_a_recorder_that_is_not_installed_is_named_with_its_package() -> None:
     with pytest.raises(NotInstalledError, match="recorder 'mcap' needs the package rosbase-mcap"):
-        Robot("robot", backend=virtual_backend(), record="run.mcap")
+        PluginRegistry([]).recorder("mcap")
 
 
 @pytest.mark.parametrize("record", ["run", RecordOptions("run")])

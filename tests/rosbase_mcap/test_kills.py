@@ -150,7 +150,7 @@ def test_a_disk_that_is_gone_ends_the_recording_and_the_program_goes_on(
             raise OSError(errno.EIO, "Input/output error")
 
     path = tmp_path / "run.mcap"
-    backend = virtual_backend()
+    backend: Any = virtual_backend()
     recording = ProgramRecording(RecordOptions(path))
     recording.begin(backend, make_logger("test"))
     publisher = backend.create_publisher(Vector3, "point", 10)
@@ -161,6 +161,7 @@ def test_a_disk_that_is_gone_ends_the_recording_and_the_program_goes_on(
     file, sink._output._file = sink._output._file, Gone()
     publisher.publish(Vector3(2.0))
     wait_until(lambda: recorder.is_broken, "the end of the recording")
+    wait_until(lambda: not backend._bus._taps, "the end of the taps")
     publisher.publish(Vector3(3.0))
     backend.close()
     recording.close(None)

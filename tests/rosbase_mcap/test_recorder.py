@@ -88,6 +88,25 @@ def test_a_full_disk_ends_the_recording_with_one_line_and_the_program_goes_on(
     assert caplog.text.count("No space left") == 1
 
 
+def test_a_mistake_of_ours_ends_the_recording_with_its_traceback(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class Mistaken(Listed):
+        def flush(self) -> None:
+            raise ValueError("a mistake")
+
+    recorder = Recorder(sink := Mistaken(), ChannelTable(), make_logger("test"))
+    record = recorder.channel("/a", "std_msgs/msg/String", "string data", NO_METADATA)
+    recorder.start()
+    for number in range(10):
+        record(number, number, b"x")
+    recorder.stop()
+    assert sink.ends == ["abandon"]
+    assert recorder.dropped == 10
+    assert caplog.text.count("the recording ends here, the program goes on: a mistake") == 1
+    assert "Traceback" in caplog.text
+
+
 def test_dropped_messages_are_counted_in_the_log_and_in_the_file(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

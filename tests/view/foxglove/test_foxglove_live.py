@@ -220,24 +220,6 @@ def test_topics_of_programs_that_do_not_hear_each_other_have_two_names(robots: R
         )
 
 
-def numbers(client: FoxgloveClient) -> list[int]:
-    """The Imus that a client has got, by their numbers."""
-    stamps = [deserialize(one.data, Imu).header.stamp for one in client.of("/imu/data")]
-    return [stamp.sec * 1_000 + stamp.nanosec for stamp in stamps]
-
-
-def overruns_while(pid: int, condition: Callable[[], object], what: str) -> float:
-    """Waits; gives the share of the ticks that were late meanwhile."""
-    before = connect(pid).statistics()[0]
-    wait_until(condition, what, 40.0)
-    after = connect(pid).statistics()[0]
-    return (after["overruns"] - before["overruns"]) / (after["ticks"] - before["ticks"])
-
-
-# Of a machine that has other work. A tick that waited for a client would stop all that follow.
-SOME = 0.1
-
-
 def test_programs_that_start_later_are_served(robots: Robots) -> None:
     with served() as (_, port), FoxgloveClient(port) as client:
         client.until(lambda: client.times, "the server")
@@ -282,10 +264,39 @@ def test_a_client_that_goes_leaves_no_publisher_behind(robots: Robots) -> None:
         wait_until(lambda: publishers() == before, "its end")
 
 
+def numbers(client: FoxgloveClient) -> list[int]:
+    """The Imus that a client has got, by their numbers."""
+    stamps = [deserialize(one.data, Imu).header.stamp for one in client.of("/imu/data")]
+    return [stamp.sec * 1_000 + stamp.nanosec for stamp in stamps]
+
+
+def overruns_while(pid: int, condition: Callable[[], object], what: str) -> float:
+    """Waits; gives the share of the ticks that were late meanwhile."""
+    before = connect(pid).statistics()[0]
+    wait_until(condition, what, 40.0)
+    after = connect(pid).statistics()[0]
+    return (after["overruns"] - before["overruns"]) / (after["ticks"] - before["ticks"])
+
+
+def ticks_of(pid: int) -> int:
+    return connect(pid).statistics()[0]["ticks"]
+
+
+def usual_overruns(pid: int) -> float:
+    """The share of late ticks without any client, on a machine that has other work."""
+    first = ticks_of(pid)
+    return overruns_while(pid, lambda: ticks_of(pid) > first + 200, "ticks")
+
+
+# A tick that waited for a client would make all that follow late.
+SOME = 0.2
+
+
 def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
     # 6 MB, more than the buffers of a connection have.
     count = 20_000
     pid = pid_of(robots.start(BOARDS, "100", "20"))
+    usual = usual_overruns(pid)
     with (
         served("boards") as (view, port),
         FoxgloveClient(port) as client,
@@ -294,7 +305,7 @@ def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
         lazy.subscribe("/imu/data", client.channel("/imu/data")["id"])
         client.subscribe("/imu/data")
         late = overruns_while(pid, lambda: len(client.messages) > count, "messages")
-        assert late < SOME
+        assert late < usual + SOME
         found = numbers(client)
         assert found == list(range(found[0], found[0] + len(found)))
         view.waits_for("reads too slowly: it loses the oldest messages")
@@ -308,16 +319,15 @@ def test_two_clients_of_which_one_never_reads(robots: Robots) -> None:
 
 def test_a_server_that_is_suspended_does_not_delay_the_program(robots: Robots) -> None:
     pid = pid_of(robots.start(BOARDS, "100", "20"))
+    usual = usual_overruns(pid)
     with served("boards") as (view, port), FoxgloveClient(port) as client:
         client.subscribe("/imu/data")
         client.until(lambda: client.messages, "messages")
         view.process.send_signal(signal.SIGSTOP)
-        first = connect(pid).statistics()[0]["ticks"]
-        late = overruns_while(
-            pid, lambda: connect(pid).statistics()[0]["ticks"] > first + 500, "ticks"
-        )
+        first = ticks_of(pid)
+        late = overruns_while(pid, lambda: ticks_of(pid) > first + 500, "ticks")
         view.process.send_signal(signal.SIGCONT)
-        assert late < SOME
+        assert late < usual + SOME
         last = client.messages[-1].stamp_ns
         client.until(lambda: client.messages[-1].stamp_ns > last, "messages again")
 

@@ -1,5 +1,6 @@
 """A recording that clients play, as Foxglove's controls do, with a client of the protocol only."""
 
+import math
 import os
 import signal
 import sys
@@ -120,6 +121,15 @@ def test_pause_speed_and_jump(client: FoxgloveClient) -> None:
     client.control(plays=True, speed=4.0, seek_ns=at(100))
     client.until(lambda: numbers(client)[-1] == COUNT - 1 and len(numbers(client)) > count, "again")
     assert numbers(client)[count:] == list(range(99, COUNT))
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan, math.inf])
+def test_a_speed_that_is_none_is_left_as_it_was(client: FoxgloveClient, speed: float) -> None:
+    client.subscribe("/imu/data")
+    request = client.control(plays=True, speed=speed, seek_ns=at(250))
+    client.until(lambda: is_complete(client), "the end")
+    answer = next(one for one in client.playback if one["request"] == request)
+    assert answer["speed"] == 1.0
 
 
 @pytest.mark.parametrize(("asked", "state"), [(-5, PLAYING), (COUNT + 5, ENDED)])

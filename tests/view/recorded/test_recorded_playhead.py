@@ -32,7 +32,7 @@ def test_another_speed_goes_on_from_there() -> None:
     assert head.due_ns(BEGIN, 11 * S) == 0
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan")])
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf")])
 def test_no_speed_is_refused(rate: float) -> None:
     with pytest.raises(ValueError, match="greater than 0"):
         Playhead(BEGIN, END).set_rate(rate, 0)

@@ -43,16 +43,16 @@ class Backlog:
         """Add a message; return False if it found no room."""
         size = len(item[4]) + _OVERHEAD_BYTES
         with self._lock:
-            if self._bytes + size > self._most_bytes:
-                self.dropped += 1
-                is_urgent, is_added = True, False
-            else:
+            waiting = self._bytes + size
+            is_added = waiting <= self._most_bytes
+            if is_added:
                 self._items.append(item)
-                self._bytes += size
-                is_urgent, is_added = self._bytes * 2 > self._most_bytes, True
+                self._bytes = waiting
+            else:
+                self.dropped += 1
         # Usually the writer comes by itself: to wake it for each message would cost more than
         # the message.
-        if is_urgent and not self.is_wanted:
+        if waiting * 2 > self._most_bytes and not self.is_wanted:
             self._is_wanted.set()
         return is_added
 

@@ -1,6 +1,6 @@
 """Messages into files, one after another. One thread uses it."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rosbase_mcap.backlog import Item
@@ -19,12 +19,18 @@ FACTS = "rosbase"
 _SLACK_BYTES = 8_192
 
 
-def write_items(writer: FileWriter, table: ChannelTable, items: Iterable[Item]) -> None:
+# A chunk may become longer by that many bytes than it should be.
+_GROUP_BYTES = 65_536
+
+
+def write_items(writer: FileWriter, table: ChannelTable, items: Sequence[Item]) -> None:
     """Write messages, with the channels that are new to the file."""
-    known = writer.summary.channels
+    for number in sorted({item[0] for item in items} - writer.summary.channels.keys()):
+        writer.declare(table.channel(number), table.schema(number))
+    if sum(len(item[4]) for item in items) <= _GROUP_BYTES:
+        writer.add_all(items)
+        return
     for item in items:
-        if item[0] not in known:
-            writer.declare(table.channel(item[0]), table.schema(item[0]))
         writer.add(*item)
 
 
@@ -72,7 +78,7 @@ class FileSink:
 
     def add(self, items: Iterable[Item]) -> None:
         """Take messages, in their order."""
-        write_items(self._writer, self._table, self._without_entries(items))
+        write_items(self._writer, self._table, list(self._without_entries(items)))
 
     def flush(self) -> None:
         """Put everything on the disk; begin another file if this one is full."""

@@ -5,8 +5,9 @@ of these calls has everything that `recovery` needs.
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 from attrs import evolve
 
@@ -27,6 +28,9 @@ from rosbase_mcap.records import (
     record,
 )
 from rosbase_mcap.summary import Snapshot, Summary
+
+if TYPE_CHECKING:
+    from rosbase_mcap.backlog import Item
 
 __all__ = ["FileWriter"]
 
@@ -91,6 +95,12 @@ class FileWriter:
     def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
         """Add a message to the chunk that is open; write it if it is long enough."""
         self._chunk.add(channel, sequence, log_ns, publish_ns, data)
+        if self._chunk.size_bytes >= _CHUNK_BYTES:
+            self.end_chunk()
+
+    def add_all(self, items: "Iterable[Item]") -> None:
+        """Add messages, as `add` does. They are few: a chunk ends behind them, not among them."""
+        self._chunk.add_all(items)
         if self._chunk.size_bytes >= _CHUNK_BYTES:
             self.end_chunk()
 

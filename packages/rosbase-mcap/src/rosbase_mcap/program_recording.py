@@ -112,7 +112,11 @@ class ProgramRecording:
             self._logger.error(f"the last seconds of this program are lost: {fault}")
 
     def _look_again(self) -> None:
-        self._taps.look()
+        if self._recorder is not None and self._recorder.is_broken:
+            # The program need not pay for it any more.
+            self._taps.close()
+        else:
+            self._taps.look()
 
 
 def _file_sink(options: RecordOptions, table: ChannelTable, facts: dict[str, str]) -> FileSink:

@@ -9,6 +9,7 @@ from rosbase import RosbaseLogger, SystemClock, background_thread
 from rosbase_mcap.backlog import Backlog, Item
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.entries import ENTRIES_CHANNEL, Entry
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.records import Metadata
 
 __all__ = ["LOSSES", "Recorder", "Sink"]
@@ -114,9 +115,10 @@ class Recorder:
         add = self._backlog.add
 
         def record(log_ns: int, publish_ns: int, data: bytes) -> object:
-            # MCAP has no dates before 1970.
-            times = max(log_ns, 0), max(publish_ns, 0)
-            return add((number, sequence() & 0xFFFFFFFF, *times, data))
+            if log_ns < 0 or publish_ns < 0:
+                # MCAP has no dates before 1970.
+                log_ns, publish_ns = max(log_ns, 0), max(publish_ns, 0)
+            return add((number, sequence() & 0xFFFFFFFF, log_ns, publish_ns, data))
 
         return record
 
@@ -172,7 +174,8 @@ class Recorder:
                 if not self._is_stopping:
                     _CLOCK.sleep(_PAUSE_S)
             self._sink.flush()
-        except OSError as error:
+        except Exception as error:
+            # Any: what waits must go, or it would fill the memory.
             self._break(error)
             self._unwritten += len(items)
 
@@ -183,13 +186,17 @@ class Recorder:
             if self.dropped:
                 self._sink.note(Metadata(LOSSES, {"messages": str(self.dropped)}))
             self._sink.close()
-        except OSError as error:
+        except Exception as error:
             self._break(error)
 
-    def _break(self, error: OSError) -> None:
+    def _break(self, error: Exception) -> None:
         self._is_broken = True
         self._sink.abandon()
-        self._logger.error(f"the recording ends here, the program goes on: {error}")
+        # A disk explains itself; anything else is a mistake of ours.
+        traceback = None if isinstance(error, (OSError, McapError)) else error
+        self._logger.error(
+            f"the recording ends here, the program goes on: {error}", exc_info=traceback
+        )
 
     def _say_losses(self) -> None:
         # Each time that it has doubled: a few lines, however long it goes on.

@@ -31,7 +31,7 @@ def _texts(values: Iterable[str]) -> tuple[str, ...]:
 
 @frozen
 class RecordOptions:
-    """The topics of a program to record, and the file."""
+    """Options of a recording: the file, and how much of the program is in it."""
 
     path: Path = field(converter=Path)
     """The file. Its suffix chooses the recorder: `.mcap` is that of rosbase-mcap."""

@@ -23,7 +23,7 @@ class Bus:
     def __init__(self, backend: str, network: str, pids: Iterable[int]) -> None:
         self.backend = backend
         self.network = network
-        """The name of the network, for `ros2` the domain; empty if the backend has none."""
+        """Name of the network at the backend, for `ros2` the domain; empty if it has none."""
         self.pids = frozenset(pids)
 
 

@@ -1,5 +1,6 @@
 """A recording, played to the clients of the server."""
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -35,8 +36,7 @@ _AFTER_NS = 20_000_000
 class PlaybackBridge:
     """Sends what a source plays, and moves it as clients ask.
 
-    It begins to play when the first client listens: Lichtblick and PlotJuggler have no controls
-    for it.
+    It begins to play when the first client listens: not every viewer has controls for it.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class PlaybackBridge:
     def _obey(self, request: PlaybackControlRequest) -> None:
         """Do what a client asks. All clients have been told."""
         self._has_begun = True
-        if request.playback_speed > 0.0:
+        if _is_rate(request.playback_speed):
             self._playback.set_rate(request.playback_speed)
         if request.seek_time is not None:
             self._playback.seek(request.seek_time)
@@ -162,9 +162,13 @@ class PlaybackBridge:
             elif isinstance(report, Said) and report.is_error:
                 self._notices.say("recording", report.text)
 
+    @property
+    def _is_leaving(self) -> bool:
+        """Whether clients have been told that the time at which the recording is will be left."""
+        return any(request.seek_time is not None for _, request in list(self._requests))
+
     def _send(self, heard: Heard) -> None:
-        if any(request.seek_time is not None for _, request in list(self._requests)):
-            # Clients have been told that this time is left.
+        if self._is_leaving:
             return
         stamp_ns = heard.stamp_ns or 0
         self._last[heard.topic] = heard
@@ -188,6 +192,8 @@ class PlaybackBridge:
 
     def _move(self, position: Position) -> None:
         before, self._position = self._position, position
+        if self._is_leaving:
+            return
         self._server.send_time(position.now_ns)
         if before is None or _status(before) != _status(position) or before.rate != position.rate:
             self._server.send_playback(_state(position, None))
@@ -231,6 +237,10 @@ def _state(position: Position, request: str | None, *, did_seek: bool = False) -
     return PlaybackState(_status(position), position.now_ns, position.rate, did_seek, request)
 
 
+def _is_rate(speed: float) -> bool:
+    return 0.0 < speed < math.inf
+
+
 def _asked(position: Position, request: PlaybackControlRequest) -> Position:
     """Return where a recording is once a request is obeyed."""
     now_ns = position.now_ns if request.seek_time is None else request.seek_time
@@ -238,5 +248,5 @@ def _asked(position: Position, request: PlaybackControlRequest) -> Position:
         position,
         now_ns=min(max(now_ns, position.begin_ns), position.end_ns),
         is_playing=request.playback_command == PlaybackCommand.Play,
-        rate=request.playback_speed if request.playback_speed > 0.0 else position.rate,
+        rate=request.playback_speed if _is_rate(request.playback_speed) else position.rate,
     )

@@ -1,5 +1,7 @@
 """Where a recording is while it is played. Pure."""
 
+import math
+
 __all__ = ["Playhead"]
 
 
@@ -43,10 +45,10 @@ class Playhead:
         """Go on from here at another speed.
 
         Raises:
-            ValueError: It is not greater than 0.
+            ValueError: It is not greater than 0, or not finite.
         """
-        if not rate > 0.0:
-            raise ValueError(f"a speed is greater than 0, not {rate}")
+        if not 0.0 < rate < math.inf:
+            raise ValueError(f"a speed is finite and greater than 0, not {rate}")
         self._stay(now_ns)
         self.rate = rate
 
