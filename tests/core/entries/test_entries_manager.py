@@ -171,6 +171,7 @@ def test_the_next_program_is_recorded_and_no_other() -> None:
     assert second._connection.conductor is None  # type: ignore[attr-defined]  # a backend
     first.destroy_node()
     second.destroy_node()
+    assert [end.ended_by for end in memory.ends] == [""]
 
 
 def test_without_a_recording_the_classes_are_the_plain_ones() -> None:

@@ -105,6 +105,8 @@ class ProgramRecording:
         self._taps.close()
         remove_observer(self._log.take)
         self._recorder.stop()
+        if reason := self._run.spoiled:
+            self._logger.warning(f"the recording can be replayed only in part: {reason}")
         if self._ring is None:
             return
         if error is None:

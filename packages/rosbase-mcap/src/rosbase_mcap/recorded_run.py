@@ -51,6 +51,11 @@ class RecordedRun:
         self._end = end
 
     @property
+    def spoiled(self) -> str:
+        """Why it cannot be replayed to its end; empty if it can. Known once it is closed."""
+        return next(iter(self._end.spoiled), "") if self._end is not None else ""
+
+    @property
     def is_followed(self) -> bool:
         """Whether there is a program whose entries are recorded."""
         return self._conductor is not None

@@ -65,6 +65,8 @@ class BaseNode(Constructed, Component):
     """Whether other programs see it as a node of its own name."""
     _recording: Recording | None = None
     """Recording of a standalone node."""
+    _is_running = False
+    """Whether a standalone node is spun, and cleans up after itself."""
     _connection: NodeConnection
     """Connection for its own topics, timers and parameters."""
 
@@ -328,6 +330,8 @@ class BaseNode(Constructed, Component):
         """Close a standalone node's own connection. Ignored if it is closed, or with a manager."""
         if self.manager is None:
             self._backend.close()
+            if not self._is_running:
+                end_recording(self._recording, self._backend, None)
 
     def _as_given(self, spec: ParameterSpec) -> ParameterSpec:
         """Return the declaration with the default that the program or its user gives instead."""
@@ -371,6 +375,7 @@ class BaseNode(Constructed, Component):
             end_recording(self._recording, self._backend, sys.exc_info()[1])
 
     def _run(self, stop: StopSignals | None) -> None:
+        self._is_running = True
         with recorded(self._recording, self._backend):
             self._run_through(stop)
 
