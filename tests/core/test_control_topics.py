@@ -411,6 +411,23 @@ def test_while_messages_come_the_thread_of_the_socket_is_woken_by_none_of_them()
     topic.backend.close()
 
 
+def test_a_stream_of_some_messages_looks_for_none_between_them() -> None:
+    now_ns, topic, wakes = [0], FakeTopic(), list[int]()
+    stream = TopicEcho(topic.backend.message_format(Imu), 1, 50_000_000, lambda: now_ns[0])
+    stream._wake = lambda _: wakes.append(now_ns[0])
+    stream.open(topic)  # type: ignore[arg-type]  # a stand-in
+    for time_ns in (0, 100_000_000, 110_000_000, 200_000_000):
+        now_ns[0] = time_ns
+        topic.publisher.publish(Imu())
+        stream._is_woken = False
+        while stream.take():
+            pass
+        assert stream.due_ns is None
+    assert wakes == [0, 100_000_000, 200_000_000]
+    stream.close()
+    topic.backend.close()
+
+
 def heard_by(count: int, message: Any) -> tuple[list[TopicEcho], FakeTopic]:
     """Some streams that nobody reads, after a hundred messages."""
     topic, streams = FakeTopic(type(message)), []

@@ -16,16 +16,7 @@ from rosbase.entries.script import Entry, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase.messages import String
 from rosbase.testing.recorded_log import RecordedLog
-
-
-class Talker(BaseNode):
-    """Talks to its manager, in a process of its own."""
-
-    def __init__(self, manager: Any = None, **kwargs: Any) -> None:
-        super().__init__(manager, **kwargs)
-        publisher = self.create_publisher(String, "talk")
-        numbers = iter(range(1000))
-        self.create_timer(0.02, lambda: publisher.publish(String(f"number {next(numbers)}")))
+from support.talking_child import Talker
 
 
 class Listener(BaseNode):
