@@ -28,19 +28,13 @@ def find_component(
         LookupError: There is none, the one of that name is of another class, or several are of
             the class and no name is given.
     """
-    # The usual case, in a third of the time: many programs ask several times in a tick.
-    if name is None and isinstance(component_class, type):
-        only = None
-        for component in components.values():
-            if isinstance(component, component_class):
-                if only is not None:
-                    break
-                only = component
-        else:
-            if only is not None:
-                return only
     if not isinstance(component_class, type):
         raise TypeError(f"{role}() takes a class, and then perhaps a name; not {component_class!r}")
+    if name is None:
+        # Programs ask several times in a tick.
+        found = [it for it in components.values() if isinstance(it, component_class)]
+        if len(found) == 1:
+            return found[0]
     wanted = component_class.__name__
     if name is not None:
         named = components.get(name)
@@ -50,16 +44,14 @@ def find_component(
             raise LookupError(f"{role} {name!r} is of class {type(named).__name__}, not {wanted}")
         hint = did_you_mean(name, components)
         raise LookupError(f"no {role} is named {name!r}; {_registered(components)}{hint}")
-    found = {key: it for key, it in components.items() if isinstance(it, component_class)}
-    if not found:
+    names = [key for key, it in components.items() if isinstance(it, component_class)]
+    if not names:
         raise LookupError(f"no {role} is of class {wanted}; {_registered(components)}")
-    if len(found) > 1:
-        *others, last = map(repr, found)
-        example = f"{role}({wanted}, {next(iter(found))!r})"
-        raise LookupError(
-            f"{', '.join(others)} and {last} are of class {wanted}; choose one, as in {example}"
-        )
-    return next(iter(found.values()))
+    *others, last = map(repr, names)
+    raise LookupError(
+        f"{', '.join(others)} and {last} are of class {wanted}; "
+        f"choose one, as in {role}({wanted}, {names[0]!r})"
+    )
 
 
 def _registered(components: Mapping[str, object]) -> str:
