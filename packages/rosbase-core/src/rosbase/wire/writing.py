@@ -15,7 +15,7 @@ from rosbase.wire.checking import made_usual
 from rosbase.wire.pieces import (
     WIDE_SIZE,
     UnusualError,
-    packed,
+    packer,
     put_texts,
     put_wide_texts,
     text_of,
@@ -66,7 +66,7 @@ def _putter(of: MessageType) -> Callable[[Any, Callable[[bytes], object], int], 
     body = _Body(source)
     body.put_fields(of, "message")
     if not of.fields:
-        body.add_number("0", "B", int)
+        body.add_number("0", "B", None)
     body.end_run()
     source.line("return pos")
     return source.compile()
@@ -79,7 +79,8 @@ class _Body:
         self._source = source
         self._codes: list[str] = []
         self._values: list[str] = []
-        self._types: list[type] = []
+        # None for a number that the function itself has counted.
+        self._types: list[type | None] = []
 
     def put_fields(self, of: MessageType, message: str) -> None:
         """Add the fields of a message that is in a variable of that name."""
@@ -92,7 +93,7 @@ class _Body:
             else:
                 self._put_many(one, value)
 
-    def add_number(self, value: str, code: str, python_type: type) -> None:
+    def add_number(self, value: str, code: str, python_type: type | None) -> None:
         """Add a number to the run."""
         self._codes.append(code)
         self._values.append(value)
@@ -104,12 +105,15 @@ class _Body:
             return
         source = self._source
         layouts = source.name_of(tuple(Run("".join(self._codes)).layouts()), "layouts")
-        types = source.name_of(tuple(self._types), "types")
-        source.line(f"values = ({', '.join(self._values)},)")
-        # struct would take a bool for a number, and anything for a bool.
-        self._refuse(f"tuple(map(type, values)) != {types}")
         source.line(f"layout = {layouts}[pos & 7]")
-        source.line("put(layout.pack(*values))")
+        if any(self._types):
+            types = source.name_of(tuple(one or int for one in self._types), "types")
+            source.line(f"values = ({', '.join(self._values)},)")
+            # struct would take a bool for a number, and anything for a bool.
+            self._refuse(f"tuple(map(type, values)) != {types}")
+            source.line("put(layout.pack(*values))")
+        else:
+            source.line(f"put(layout.pack({', '.join(self._values)}))")
         source.line("pos += layout.size")
         self._codes, self._values, self._types = [], [], []
 
@@ -121,7 +125,7 @@ class _Body:
                 source.line(f"{part} = {value}")
                 self.put_fields(one.element, part)
             else:
-                self.add_number("0", "B", int)
+                self.add_number("0", "B", None)
         elif one.element is Width.STRING:
             text = source.new("text")
             encode = source.name_of(text_of, "text_of")
@@ -137,7 +141,7 @@ class _Body:
             self.add_number(value, code, _PYTHON_TYPES.get(code, int))
 
     def _put_bytes(self, data: str, count: str) -> None:
-        self.add_number(count, "I", int)
+        self.add_number(count, "I", None)
         self.end_run()
         self._source.line(f"put({data})")
         self._source.line(f"pos += len({data})")
@@ -163,9 +167,9 @@ class _Body:
         many = source.new("many")
         if _is_number(one):
             assert isinstance(one.element, Width)
-            pack = source.name_of(packed, "packed")
+            pack = source.name_of(packer(TYPECODES[one.element]), "pack")
             count = source.new("count")
-            source.line(f"{many}, {count} = {pack}({value}, {TYPECODES[one.element]!r})")
+            source.line(f"{many}, {count} = {pack}({value})")
         else:
             count = f"len({many})"
             source.line(f"{many} = {value}")
@@ -173,7 +177,7 @@ class _Body:
         if one.size:
             self._refuse(f"{count} {'!=' if one.kind is Kind.ARRAY else '>'} {one.size}")
         if one.kind is Kind.SEQUENCE:
-            self.add_number(count, "I", int)
+            self.add_number(count, "I", None)
         self.end_run()
         self._put_elements(one, many)
 
