@@ -3,6 +3,7 @@
 import struct
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 from zlib import crc32
 
@@ -63,6 +64,8 @@ def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, me
     What is cut off at the end is left out.
     """
     data, unpack, kind_of_message = bytes(records), _HEAD.unpack_from, int(Kind.MESSAGE)
+    # In C, as the class itself would do it in Python.
+    make = partial(tuple.__new__, Message)
     at, end = 0, len(data)
     while at < end:
         # Usually, each is a message: nothing else is done for it than must be.
@@ -71,7 +74,7 @@ def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, me
             after = at + PREFIX.size + length
             if kind == kind_of_message and length >= _HEAD_BYTES and after <= end:
                 content = data[at + _HEAD.size : after]
-                yield Message(channel, sequence, log_ns, publish_ns, content)
+                yield make((channel, sequence, log_ns, publish_ns, content))
                 at = after
                 continue
         other = next(records_in(memoryview(data)[at:]), None)

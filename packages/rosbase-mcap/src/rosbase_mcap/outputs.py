@@ -42,16 +42,17 @@ class Digest:
         """
         self._hash = hashlib.sha256()
         self._leave_out = frozenset(leave_out)
+        # Empty for those that do not count.
         self._names: dict[str, bytes] = {}
 
     def add(self, number: int, topic: str, data: bytes) -> None:
         """Add an output. They count in their order."""
-        if topic in self._leave_out:
-            return
         name = self._names.get(topic)
         if name is None:
-            name = self._names[topic] = topic.encode()
-        self._hash.update(_PREFIX.pack(number & MASK, len(name), len(data)) + name + data)
+            name = self._names[topic] = b"" if topic in self._leave_out else topic.encode()
+        if name:
+            prefix = _PREFIX.pack(number & MASK, len(name), len(data))
+            self._hash.update(b"".join((prefix, name, data)))
 
     @property
     def hexdigest(self) -> str:

@@ -1,7 +1,7 @@
 """Read what is in a file, from its beginning, also of one that was cut off."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias
 
 from attrs import frozen
@@ -125,20 +125,17 @@ def read_summary(stream: BinaryIO) -> Summary | None:
         return None
 
 
-def _opened(found: Found) -> Iterator[Any]:
-    """Yield a record, or the records in it if it is a chunk; see `contents_of`."""
+def _opened(found: Found) -> Iterable[Any]:
+    """Return a record, or the records in it if it is a chunk; see `contents_of`."""
     if found.kind != Kind.CHUNK:
-        if found.is_whole:
-            yield found.kind, found.content
-        return
+        return [(found.kind, found.content)] if found.is_whole else []
     try:
         chunk = Chunk.read(found.content, is_cut=not found.is_whole)
         if found.is_whole:
-            yield from contents_of(unpacked(chunk))
-        elif not chunk.compression:
-            yield from contents_of(chunk.data)
+            return contents_of(unpacked(chunk))
     except McapError:
-        return
+        return []
+    return contents_of(chunk.data) if not chunk.compression else []
 
 
 def _read(kind: int, content: bytes | memoryview) -> Content | None:

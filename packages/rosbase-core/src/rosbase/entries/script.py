@@ -1,10 +1,10 @@
 """The script of a replay: the entries of a trace, one after the other."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from typing import Any, TypeVar
 
-from attrs import Factory, define
+from attrs import define
 
 from rosbase.entries.kinds import HAS_PAYLOAD, INTS, IS_NOTE, Kind
 from rosbase.entries.payloads import Json, as_bytes, from_json
@@ -34,10 +34,10 @@ class Creation:
     """Its topic, service, callback or plugin."""
 
 
-@define
 class Notes:
     """What a piece of work asked of the world outside, and what it created."""
 
+    # What an entry does not have, its class has: so to make one costs next to nothing.
     mono: deque[int] = _NOTHING
     """Values of the monotonic clock, in the order in which they were read."""
     date: deque[int] = _NOTHING
@@ -48,10 +48,18 @@ class Notes:
     """Dates of log records, since the date of the start."""
     facts: deque[Json] = _NOTHING
     """Answers about things outside."""
-    created: list[Creation] = Factory(list)
+    created: deque[Creation] = _NOTHING
     """What the program created."""
     spoiled: str = ""
     """Why the run cannot be replayed from here on; empty if it can."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Notes) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]  # as attrs does it
+
+    def __repr__(self) -> str:
+        return f"Notes({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
 
 
 NO_NOTES = Notes()
@@ -80,7 +88,7 @@ class Entry:
         return self.ints[0]
 
 
-def read_entries(blocks: Iterable[TraceBlock]) -> Iterator[Entry]:
+def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
     """Return the entries of a trace, each with all its notes.
 
     It ends at a gap between two blocks. The last entry of a trace that was cut off is left out,
@@ -126,7 +134,8 @@ def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[b
     elif code == _FACT:
         notes.facts = _joined(notes.facts, from_json(payloads.popleft()))
     elif code == _NEW:
-        notes.created.append(Creation(numbers[0], numbers[1], payloads.popleft().decode()))
+        made = Creation(numbers[0], numbers[1], payloads.popleft().decode())
+        notes.created = _joined(notes.created, made)
     else:
         notes.spoiled = payloads.popleft().decode()
 

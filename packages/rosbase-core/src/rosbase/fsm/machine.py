@@ -1,7 +1,6 @@
 """The machine: holds the current state and takes the transitions."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
 from rosbase.fsm.mermaid import draw
@@ -124,13 +123,16 @@ class Machine:
             RuntimeError: Called by a guard or an action of this machine.
             ValueError: The holder was given a state that is not in the table.
         """
-        with self._alone("step"):
+        self._begin("step")
+        try:
             self._steps_in_state += 1
             taken = self._take_first(self._arrive(), None)
             during = self._during.get(self.state)
             if during is not None:
                 during()
             return taken
+        finally:
+            self._busy = False
 
     def send(self, event: str) -> Transition | None:
         """Take the first transition for that event whose guard holds, if any.
@@ -147,8 +149,11 @@ class Machine:
         """
         if event not in self._table.events:
             raise ValueError(f"no transition has the event {event!r}")
-        with self._alone("send"):
+        self._begin("send")
+        try:
             return self._take_first(self._arrive(), event)
+        finally:
+            self._busy = False
 
     def to_mermaid(self) -> str:
         """Return the table as the text of a Mermaid state diagram. Each line has a line end."""
@@ -160,15 +165,10 @@ class Machine:
                 raise ValueError(f"{what} has the state {state!r}, which is not in the table")
         return dict(actions or {})
 
-    @contextmanager
-    def _alone(self, what: str) -> Iterator[None]:
+    def _begin(self, what: str) -> None:
         if self._busy:
             raise RuntimeError(f"{what}() was called from within a step of the same machine")
         self._busy = True
-        try:
-            yield
-        finally:
-            self._busy = False
 
     def _arrive(self) -> str:
         """Enter the first state, or follow the holder; return the current state."""

@@ -30,6 +30,11 @@ def find_component(
     """
     if not isinstance(component_class, type):
         raise TypeError(f"{role}() takes a class, and then perhaps a name; not {component_class!r}")
+    if name is None:
+        # Programs ask several times in a tick.
+        found = [it for it in components.values() if isinstance(it, component_class)]
+        if len(found) == 1:
+            return found[0]
     wanted = component_class.__name__
     if name is not None:
         named = components.get(name)
@@ -39,23 +44,13 @@ def find_component(
             raise LookupError(f"{role} {name!r} is of class {type(named).__name__}, not {wanted}")
         hint = did_you_mean(name, components)
         raise LookupError(f"no {role} is named {name!r}; {_registered(components)}{hint}")
-    # Without a dictionary, because programs call it many times in each tick.
-    only = None
-    for it in components.values():
-        if isinstance(it, component_class):
-            if only is not None:
-                break
-            only = it
-    else:
-        if only is not None:
-            return only
-    found = {key: it for key, it in components.items() if isinstance(it, component_class)}
-    if not found:
+    names = [key for key, it in components.items() if isinstance(it, component_class)]
+    if not names:
         raise LookupError(f"no {role} is of class {wanted}; {_registered(components)}")
-    *others, last = map(repr, found)
-    example = f"{role}({wanted}, {next(iter(found))!r})"
+    *others, last = map(repr, names)
     raise LookupError(
-        f"{', '.join(others)} and {last} are of class {wanted}; choose one, as in {example}"
+        f"{', '.join(others)} and {last} are of class {wanted}; "
+        f"choose one, as in {role}({wanted}, {names[0]!r})"
     )
 
 

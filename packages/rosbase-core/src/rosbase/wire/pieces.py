@@ -1,5 +1,6 @@
 """Writing and reading the parts of a message whose length varies: texts and lists of numbers."""
 
+import functools
 import struct
 import sys
 from array import array
@@ -12,7 +13,7 @@ from rosbase.messages.widths import is_of
 __all__ = [
     "WIDE_SIZE",
     "UnusualError",
-    "packed",
+    "packer",
     "put_texts",
     "put_wide_texts",
     "read_numbers",
@@ -72,25 +73,38 @@ def _put_text(data: bytes, unit: int, put: Callable[[bytes], object], pos: int) 
     return pos + padding + 4 + len(data)
 
 
-def packed(values: Any, code: str) -> tuple[Any, int]:
-    """Return a list of numbers as bytes or a view of them, and how many numbers it has."""
-    if type(values) is tuple or type(values) is list:
-        wanted = _TYPES.get(code, int)
-        if not frozenset((wanted,)).issuperset(map(type, values)):
+@functools.cache
+def packer(code: str) -> Callable[[Any], tuple[Any, int]]:
+    """Return the function that packs a list of numbers.
+
+    It returns them as bytes or a view of them, and how many numbers there are.
+    """
+    is_right = frozenset((_TYPES.get(code, int),)).issuperset
+    pack = _packing_of(code)
+
+    def packed(values: Any) -> tuple[Any, int]:
+        if type(values) is tuple or type(values) is list:
+            if not is_right(map(type, values)):
+                raise UnusualError
+            return pack(values), len(values)
+        if type(values) is bytes and code == "B":
+            return values, len(values)
+        view = memoryview(values)
+        if not (is_of(view, code) and view.c_contiguous):
             raise UnusualError
-        if code in "B?":
-            return bytes(values), len(values)
-        if code == "f":
-            # An array would silently make a number infinite that is too large.
-            return struct.pack(f"<{len(values)}f", *values), len(values)
-        return array(code, values).tobytes(), len(values)
-    if type(values) is bytes and code == "B":
-        return values, len(values)
-    view = memoryview(values)
-    if not (is_of(view, code) and view.c_contiguous):
-        raise UnusualError
-    # A view of no elements cannot be cast.
-    return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize
+        # A view of no elements cannot be cast.
+        return (view.cast("B") if view.nbytes else b""), view.nbytes // view.itemsize
+
+    return packed
+
+
+def _packing_of(code: str) -> Callable[[Sequence[Any]], bytes]:
+    if code in "B?":
+        return bytes
+    if code == "f":
+        # An array would silently make a number infinite that is too large.
+        return lambda values: struct.pack(f"<{len(values)}f", *values)
+    return lambda values: array(code, values).tobytes()
 
 
 def read_text(data: memoryview, pos: int, size: int, limit: int = 0) -> str:

@@ -15,7 +15,7 @@ from rosbase.wire.checking import made_usual
 from rosbase.wire.pieces import (
     WIDE_SIZE,
     UnusualError,
-    packed,
+    packer,
     put_texts,
     put_wide_texts,
     text_of,
@@ -66,7 +66,7 @@ def _putter(of: MessageType) -> Callable[[Any, Callable[[bytes], object], int], 
     body = _Body(source)
     body.put_fields(of, "message")
     if not of.fields:
-        body.add_number("0", "B", int)
+        body.add_number("0", "B")
     body.end_run()
     source.line("return pos")
     return source.compile()
@@ -79,7 +79,7 @@ class _Body:
         self._source = source
         self._codes: list[str] = []
         self._values: list[str] = []
-        self._types: list[type] = []
+        self._faults: list[str] = []
 
     def put_fields(self, of: MessageType, message: str) -> None:
         """Add the fields of a message that is in a variable of that name."""
@@ -92,11 +92,23 @@ class _Body:
             else:
                 self._put_many(one, value)
 
-    def add_number(self, value: str, code: str, python_type: type) -> None:
-        """Add a number to the run."""
+    def add_number(self, value: str, code: str, python_type: type | None = None) -> None:
+        """Add a number to the run.
+
+        Args:
+            value: The expression of its value.
+            code: Its code in `struct`.
+            python_type: The type that it must have; None if it certainly has.
+        """
+        if python_type is not None:
+            # struct would take a bool for a number, and anything for a bool.
+            number = self._source.new("number")
+            wanted = self._source.name_of(python_type, python_type.__name__)
+            self._source.line(f"{number} = {value}")
+            self._faults.append(f"type({number}) is not {wanted}")
+            value = number
         self._codes.append(code)
         self._values.append(value)
-        self._types.append(python_type)
 
     def end_run(self) -> None:
         """Put the numbers of the run."""
@@ -104,14 +116,12 @@ class _Body:
             return
         source = self._source
         layouts = source.name_of(tuple(Run("".join(self._codes)).layouts()), "layouts")
-        types = source.name_of(tuple(self._types), "types")
-        source.line(f"values = ({', '.join(self._values)},)")
-        # struct would take a bool for a number, and anything for a bool.
-        self._refuse(f"tuple(map(type, values)) != {types}")
+        if self._faults:
+            self._refuse(" or ".join(self._faults))
         source.line(f"layout = {layouts}[pos & 7]")
-        source.line("put(layout.pack(*values))")
+        source.line(f"put(layout.pack({', '.join(self._values)}))")
         source.line("pos += layout.size")
-        self._codes, self._values, self._types = [], [], []
+        self._codes, self._values, self._faults = [], [], []
 
     def _put_one(self, one: Field, value: str) -> None:
         source = self._source
@@ -121,7 +131,7 @@ class _Body:
                 source.line(f"{part} = {value}")
                 self.put_fields(one.element, part)
             else:
-                self.add_number("0", "B", int)
+                self.add_number("0", "B")
         elif one.element is Width.STRING:
             text = source.new("text")
             encode = source.name_of(text_of, "text_of")
@@ -137,7 +147,7 @@ class _Body:
             self.add_number(value, code, _PYTHON_TYPES.get(code, int))
 
     def _put_bytes(self, data: str, count: str) -> None:
-        self.add_number(count, "I", int)
+        self.add_number(count, "I")
         self.end_run()
         self._source.line(f"put({data})")
         self._source.line(f"pos += len({data})")
@@ -145,13 +155,18 @@ class _Body:
     def _put_array(self, one: Field, value: str) -> None:
         assert isinstance(one.element, Width)
         code = TYPECODES[one.element]
-        many = self._source.new("many")
-        self._source.line(f"{many} = {value}")
-        # One that is too short beside one that is too long would pass for two that are right.
-        self._refuse(f"type({many}) is not tuple or len({many}) != {one.size}")
+        source, many = self._source, self._source.new("many")
+        source.line(f"{many} = {value}")
+        # Such as the covariance of a sensor: the same tuple in each message, and tuples of numbers
+        # do not change.
+        checked = source.name_of([None], "checked")
+        types = source.name_of((_PYTHON_TYPES.get(code, int),) * one.size, "types")
+        with source.block(f"if {many} is not {checked}[0]:"):
+            # One that is too short beside one that is too long would pass for two that are right.
+            self._refuse(f"type({many}) is not tuple or tuple(map(type, {many})) != {types}")
+            source.line(f"{checked}[0] = {many}")
         self._codes.append(code * one.size)
         self._values.append(f"*{many}")
-        self._types += [_PYTHON_TYPES.get(code, int)] * one.size
 
     def _refuse(self, condition: str) -> None:
         unusual = self._source.name_of(UnusualError, "Unusual")
@@ -163,9 +178,9 @@ class _Body:
         many = source.new("many")
         if _is_number(one):
             assert isinstance(one.element, Width)
-            pack = source.name_of(packed, "packed")
+            pack = source.name_of(packer(TYPECODES[one.element]), "pack")
             count = source.new("count")
-            source.line(f"{many}, {count} = {pack}({value}, {TYPECODES[one.element]!r})")
+            source.line(f"{many}, {count} = {pack}({value})")
         else:
             count = f"len({many})"
             source.line(f"{many} = {value}")
@@ -173,7 +188,7 @@ class _Body:
         if one.size:
             self._refuse(f"{count} {'!=' if one.kind is Kind.ARRAY else '>'} {one.size}")
         if one.kind is Kind.SEQUENCE:
-            self.add_number(count, "I", int)
+            self.add_number(count, "I")
         self.end_run()
         self._put_elements(one, many)
 

@@ -151,7 +151,7 @@ class Comparison:
         """Compare the next message of the replay, whose values are those of an `Output`."""
         if self.difference is not None:
             return
-        one = self._next(topic)
+        one = next(self._recorded, None) if self._flow is None else self._next_of(topic)
         # The usual case, with as few steps as can be.
         if (
             one is not None
@@ -188,10 +188,11 @@ class Comparison:
             self.difference = Difference(*place, flow, flow.context)
         return self.difference
 
-    def _next(self, topic: str) -> Output | None:
-        """Return the recorded message that the next one of a topic is compared with."""
-        if self._flow is None:
-            return next(self._recorded, None)
+    def _next_of(self, topic: str) -> Output | None:
+        """Return the recorded message of a topic with which the next one is compared.
+
+        For a program that takes another way than in the recording.
+        """
         kept = self._kept.get(topic)
         if kept:
             return kept.popleft()

@@ -2,6 +2,7 @@
 
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -49,11 +50,14 @@ class RunFile:
     def _outputs(self, stream: BinaryIO) -> Iterator[Output]:
         schemas: dict[int, Schema] = {}
         topics: dict[int, str] = {}
+        # In C, as the class itself would do it in Python.
+        make = partial(tuple.__new__, Output)
         for content in contents(stream):
             if type(content) is Message:
-                topic = topics.get(content.channel_id)
+                number, sequence, log_ns, _, data = content
+                topic = topics.get(number)
                 if topic is not None:
-                    yield Output(content.sequence, topic, content.log_ns, content.data)
+                    yield make((sequence, topic, log_ns, data))
             elif type(content) is Schema:
                 schemas[content.id] = content
             elif type(content) is Channel and content.metadata.get(ORIGIN) != OUTSIDE:

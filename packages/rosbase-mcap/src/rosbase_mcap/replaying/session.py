@@ -1,8 +1,8 @@
 """One replay in this process: from a file to what the program has published."""
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
-from itertools import chain
+from itertools import chain, takewhile
 from typing import Any, TypeAlias
 
 from attrs import evolve
@@ -63,7 +63,6 @@ class Session:
         self._digest, self._messages = Digest(), 0
         self._comparison: Comparison | None = None
         self._player: Player | None = None
-        self._last: Entry | None = None
         self._outcome: Outcome | None = None
 
     @contextmanager
@@ -116,7 +115,8 @@ class Session:
         start_ns = run.run.facts.start_date_ns
         # Generators that are not closed keep files open.
         outputs = stack.enter_context(closing(run.outputs()))
-        entries = stack.enter_context(closing(self._script(read_entries(run.blocks()))))
+        whole = stack.enter_context(closing(read_entries(run.blocks())))
+        entries = self._script(whole)
         first = next(entries, None)
         if first is None:
             raise ConfigurationError(
@@ -156,13 +156,11 @@ class Session:
         rate = self._options.rate
         return None if rate is None else LatePace(rate, self._options.start_ns)
 
-    def _script(self, entries: Iterable[Entry]) -> Generator[Entry, None, None]:
+    def _script(self, entries: Iterator[Entry]) -> Iterator[Entry]:
         end_ns = self._options.end_ns
-        for entry in entries:
-            if end_ns is not None and entry.t_ns > end_ns:
-                return
-            self._last = entry
-            yield entry
+        if end_ns is None:
+            return entries
+        return takewhile(lambda entry: entry.t_ns <= end_ns, entries)
 
     def _declare(self, topic: str, schema: Schema) -> None:
         self.schemas[topic] = schema
@@ -213,20 +211,17 @@ class Session:
         if comparison is None:
             return None
         self._note_flow(comparison, player)
-        last = self._last
-        is_whole = last is not None and last.kind == Kind.END
-        end_ns = None
-        if last is not None and not is_whole:
-            end_ns = player.facts.start_date_ns + last.t_ns
+        last = player.last
+        end_ns = None if last.kind is Kind.END else player.facts.start_date_ns + last.t_ns
         return comparison.finish(player.entry.number, end_ns)
 
     def _cut_short(self) -> str:
-        player, last = self._player, self._last
-        if player is None or last is None or self._options.topics is not None:
+        player = self._player
+        if player is None or self._options.topics is not None:
             return ""
         if player.spoiled:
             return player.spoiled
         if player.was_interrupted:
             return "it was stopped"
-        is_whole = last.kind == Kind.END or self._options.end_ns is not None
+        is_whole = player.last.kind is Kind.END or self._options.end_ns is not None
         return "" if is_whole else "the recording has no end: its program was killed"

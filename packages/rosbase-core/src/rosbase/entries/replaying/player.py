@@ -88,6 +88,8 @@ class Player:
         self.next: Entry | None = None
         """The entry that runs next; None at the end of the script, and in a free replay."""
         self._script = iter(script)
+        # The one that was read last, if the replay is free.
+        self._last: Entry | None = None
         self._sink, self._pace = sink, pace
         self._registry = Registry()
         self._handlers: dict[int, Play] = {}
@@ -289,6 +291,11 @@ class Player:
             self._pace.wait(t_ns, self._is_over)
 
     @property
+    def last(self) -> Entry:
+        """The entry of the script that was read last, which may be one that has not begun."""
+        return self._last or self.next or self.entry
+
+    @property
     def reads(self) -> tuple[int, int]:
         """How often the entry has read the clock so far, and how often it did when recorded."""
         return self.clock.reads
@@ -341,6 +348,7 @@ class Player:
     def _rest(self, first: list[Entry]) -> Iterable[Entry]:
         yield from first
         for entry in self._script:
+            self._last = entry
             yield entry
             if entry.notes.spoiled:
                 self.spoiled = entry.notes.spoiled

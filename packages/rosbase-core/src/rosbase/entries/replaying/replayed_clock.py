@@ -49,7 +49,9 @@ class ReplayedClock:
         notes = self._notes = entry.notes
         self._planned = 0 if notes is NO_NOTES else len(notes.mono) + len(notes.date)
         self._more = 0
-        self.machine.move_to(entry.ints[0])
+        # As `move_to`, which would be a call for each entry.
+        machine, t_ns = self.machine, entry.ints[0]
+        machine.t_ns = max(machine.t_ns, t_ns)
 
     def begin_free(self) -> None:
         """Forget the recorded readings: from now on, the clock is that of the machine."""
@@ -72,6 +74,7 @@ class ReplayedClock:
             if self._notes.date:
                 return self.machine.date_read(self._notes.date.popleft())
             self._more += 1
+            self.machine.look()
         return self.machine.now_ns()
 
     def log_now_ns(self) -> int:
@@ -86,6 +89,7 @@ class ReplayedClock:
             if self._notes.mono:
                 return self.machine.mono_read(self._notes.mono.popleft())
             self._more += 1
+            self.machine.look()
         return self.machine.monotonic_ns()
 
     def suspended_ns(self) -> int:

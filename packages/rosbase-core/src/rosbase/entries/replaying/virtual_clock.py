@@ -51,16 +51,10 @@ class VirtualClock:
 
     def now_ns(self) -> int:
         """Return the date in nanoseconds since the Unix epoch."""
-        self._look()
         return self._date_ns + self.t_ns
 
     def monotonic_ns(self) -> int:
-        """Return the monotonic time, as the recorded program saw it.
-
-        Raises:
-            RuntimeError: Millions of readings, and time stands still.
-        """
-        self._look()
+        """Return the monotonic time, as the recorded program saw it."""
         return self.start_ns + self.t_ns
 
     def suspended_ns(self) -> int:
@@ -71,7 +65,12 @@ class VirtualClock:
         """Move on by that duration."""
         self.t_ns += max(0, round(seconds * _NS_PER_S))
 
-    def _look(self) -> None:
+    def look(self) -> None:
+        """Note that the program has read the clock, and the recording has no such reading.
+
+        Raises:
+            RuntimeError: Millions of readings, and time stands still.
+        """
         if self.t_ns != self._last_t_ns:
             self._last_t_ns, self._looks = self.t_ns, 0
         self._looks += 1
