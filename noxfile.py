@@ -91,16 +91,8 @@ PYTHONS = _pythons()
 TOOLS_PYTHON = next((version for version in PYTHONS if version != "3.10"), PYTHONS[0])
 # With all of them, `nox` alone would take too long. Others run by name, as `nox -s ros2-3.12`.
 ENDS = sorted({PYTHONS[0], PYTHONS[-1]}, key=PYTHONS.index)
-# That of the tools runs the core for documentation and plugins of others already.
-CORES = [version for version in PYTHONS if version != TOOLS_PYTHON or version in ENDS]
 nox.options.sessions = [
-    *(f"tests-{python}(distribution='rosbase-core')" for python in CORES),
-    *(
-        f"tests-{python}(distribution={name!r})"
-        for name in DISTRIBUTIONS
-        if name != "rosbase-core"
-        for python in ENDS
-    ),
+    *(f"tests-{python}(distribution={name!r})" for name in DISTRIBUTIONS for python in ENDS),
     *(f"{name}-{python}" for name in ("ros2", "integration") for python in ENDS),
     *(f"{name}-{TOOLS_PYTHON}" for name in ("authors", "docs", "colcon", "messages")),
     *("lint", "typing", "imports", "demo", "build"),

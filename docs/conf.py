@@ -60,7 +60,10 @@ python_use_unqualified_type_names = True
 # Every name in a signature leads somewhere, but for those that others document.
 nitpicky = True
 nitpick_ignore_regex = [
-    (r"py:.*", r"(_thread|abc|argparse|collections|enum|logging|pathlib|random|threading)\..*"),
+    (
+        r"py:.*",
+        r"(_thread|abc|argparse|collections|contextlib|enum|logging|pathlib|random|threading)\..*",
+    ),
     (r"py:class", r"hypothesis\..*"),
     # What only rosbase itself makes.
     (
@@ -68,6 +71,7 @@ nitpick_ignore_regex = [
         r"rosbase\.(local|wire\.structure|plugins\.discovery|plugins\.switches|processes\.launch)\..*",
     ),
     (r"py:class", r"rosbase\.roles\.construction\..*"),
+    (r"py:class", r"Form|RecordingSink"),
     # The part of a manager that its components see.
     (r"py:class", r"rosbase\.roles\.context\.ManagerContext"),
     # The types of ROS, in the fields of messages.

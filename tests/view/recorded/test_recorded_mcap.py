@@ -1,5 +1,6 @@
 """Recordings in MCAP files that another library has written, as the views read them."""
 
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -14,10 +15,12 @@ from rosbase.messages import Imu, String
 from rosbase.wire import schema
 from rosbase_mcap.reading import read_summary
 from rosbase_view.recorded.mcap_file import McapFile
-from support.command import run_rosbase
+from support.command import ROSBASE, run_rosbase
 from support.foxglove_client import FoxgloveClient
 from support.foxglove_served import served
+from support.launching import has_tmux, own_tmux
 from support.made_recording import BEGIN_NS, STEP_NS, MadeRecording, number_of
+from support.waiting import wait_until
 
 COUNT = 1_000
 KINDS: dict[str, dict[str, Any]] = {
@@ -145,3 +148,24 @@ def test_the_command_plays_a_file_to_foxglove(tmp_path: Path) -> None:
         client.control(plays=True, speed=20.0)
         client.until(lambda: len(client.of("/imu/data")) >= COUNT, "all messages")
         assert sorted(numbers(client.of("/imu/data"))) == list(range(COUNT))
+
+
+@pytest.mark.skipif(not has_tmux(), reason="tmux is not installed")
+def test_the_command_plays_a_file_in_the_terminal(tmp_path: Path) -> None:
+    path = write(tmp_path / "day.mcap")
+    with own_tmux(tmp_path) as tmux:
+
+        def shows(part: str) -> bool:
+            return part in tmux("capture-pane", "-p", "-t", "view")
+
+        command = shlex.join([ROSBASE, "view", str(path)])
+        tmux(
+            "new-session", "-d", "-s", "view", "-x", "80", "-y", "24", "-e", "PYTHONUTF8=1", command
+        )
+        wait_until(lambda: shows(" playing  0:0"), "the time line")
+        wait_until(lambda: shows("▶ /imu/data"), "the topics")
+        wait_until(lambda: shows("roll"), "a message")
+        tmux("send-keys", "-t", "view", "Space")
+        wait_until(lambda: shows(" paused "), "the pause")
+        tmux("send-keys", "-t", "view", "q")
+        wait_until(lambda: not tmux("list-sessions"), "the end of the view")
