@@ -2,7 +2,7 @@
 
 import struct
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 from zlib import crc32
@@ -58,8 +58,8 @@ class ChunkBuilder:
         return Chunk(start_ns, end_ns, len(data), crc32(data), compression, packed), times
 
 
-def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, memoryview]]:
-    """Yield the records of a chunk, in their order: its messages, and kind and content of others.
+def contents_of(records: bytes | memoryview) -> list[Message | tuple[int, memoryview]]:
+    """Return the records of a chunk, in their order: its messages, and kind and content of others.
 
     What is cut off at the end is left out.
     """
@@ -67,6 +67,7 @@ def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, me
     # In C, as the class itself would do it in Python.
     make = partial(tuple.__new__, Message)
     at, end = 0, len(data)
+    found: list[Message | tuple[int, memoryview]] = []
     while at < end:
         # Usually, each is a message: nothing else is done for it than must be.
         if at + _HEAD.size <= end:
@@ -74,14 +75,15 @@ def contents_of(records: bytes | memoryview) -> Iterator[Message | tuple[int, me
             after = at + PREFIX.size + length
             if kind == kind_of_message and length >= _HEAD_BYTES and after <= end:
                 content = data[at + _HEAD.size : after]
-                yield make((channel, sequence, log_ns, publish_ns, content))
+                found.append(make((channel, sequence, log_ns, publish_ns, content)))
                 at = after
                 continue
         other = next(records_in(memoryview(data)[at:]), None)
         if other is None:
-            return
-        yield other
+            break
+        found.append(other)
         at += PREFIX.size + len(other[1])
+    return found
 
 
 def message_times(records: bytes | memoryview) -> MessageTimes:

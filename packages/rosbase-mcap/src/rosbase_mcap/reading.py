@@ -1,7 +1,7 @@
 """Read what is in a file, from its beginning, also of one that was cut off."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, BinaryIO, TypeAlias
 
 from attrs import frozen
@@ -125,7 +125,7 @@ def read_summary(stream: BinaryIO) -> Summary | None:
         return None
 
 
-def _opened(found: Found) -> Iterable[Any]:
+def _opened(found: Found) -> Sequence[Any]:
     """Return a record, or the records in it if it is a chunk; see `contents_of`."""
     if found.kind != Kind.CHUNK:
         return [(found.kind, found.content)] if found.is_whole else []
