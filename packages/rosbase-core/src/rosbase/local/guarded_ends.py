@@ -84,7 +84,6 @@ def guarded_publisher(
 @cache
 def _guarded(kind: Any) -> Any:
     """Return a class of publishers as a guarded one."""
-
     publish_plainly = kind.publish
 
     class Guarded(kind):  # type: ignore[misc]  # one for each kind

@@ -153,10 +153,9 @@ class Comparison:
             return
         one = next(self._recorded, None) if self._flow is None else self._next_of(topic)
         # The usual case, with as few steps as can be.
-        if one is not None and one.data == data:
-            if (one.number == number and one.topic == topic) or self._flow is not None:
-                self.count += 1
-                return
+        if one is not None and one.data == data and one.number == number and one.topic == topic:
+            self.count += 1
+            return
         output = Output(number, topic, log_ns, data)
         if one is None:
             self._differ(Kind.NEW, output)
