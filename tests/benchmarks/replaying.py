@@ -49,16 +49,8 @@ def record(path: Path) -> None:
     simulator.start()
     given = [f"{name}:={value}" for name, value in device.parameters.items()]
     parameters = [word for one in ("comm_t:=serial", *given) for word in ("-p", one)]
-    command = [
-        *ROSBASE,
-        "run",
-        "--record",
-        str(path),
-        *parameters,
-        PROGRAM,
-        str(SECONDS),
-        str(SEED),
-    ]
+    program = (PROGRAM, str(SECONDS), str(SEED))
+    command = [*ROSBASE, "run", "--record", str(path), *parameters, *program]
     environment = {**os.environ, "PYTHONHASHSEED": "0"}
     try:
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
@@ -91,7 +83,8 @@ def duration_s(path: Path) -> float:
     with path.open("rb") as stream:
         summary = read_summary(stream)
     assert summary is not None
-    assert summary.start_ns is not None and summary.end_ns is not None
+    assert summary.start_ns is not None
+    assert summary.end_ns is not None
     return (summary.end_ns - summary.start_ns) / 1e9
 
 
