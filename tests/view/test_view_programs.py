@@ -11,12 +11,13 @@ import pytest
 from rosbase import SystemClock
 from rosbase.control import connect
 from rosbase_view.attached.source import AttachedSource
+from rosbase_view.attached.surveying import Surveyor
 from rosbase_view.known import Known
 from rosbase_view.reports import TopicKey
 from rosbase_view.source import ChangeState, Gaze, SetParameter
 from support.command import ROSBASE
 from support.launching import OwnTmux, has_tmux, own_tmux
-from support.operated import APP, Robots, pid_of, robots_in, run_both
+from support.operated import APP, LISTENER, Robots, pid_of, robots_in, run_both
 from support.waiting import wait_until
 
 pytestmark = pytest.mark.timeout(120)
@@ -101,6 +102,54 @@ def test_a_program_that_ends_and_starts_again_is_seen_again(
     looking.until(lambda: key in known.topics and known.topics[key].total, "the topic again")
 
 
+def test_a_program_that_does_not_answer_keeps_its_rows_until_it_does(
+    robots: Robots, looking: Looking
+) -> None:
+    pid = pid_of(robots.start(APP))
+    known, key = looking.known, ("/position", pid)
+    looking.until(lambda: key in known.topics and known.topics[key].total > 50, "messages")
+    total = known.topics[key].total
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        looking.until(lambda: known.silent == {pid}, "the silence")
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert known.topics[key].total >= total
+    assert str(pid) in str(known.said(0))
+    assert "no answer from app" in str(known.said(0))
+    looking.until(lambda: not known.silent, "the answer")
+    assert known.said(0) is None
+    looking.until(lambda: known.topics[key].total > total + 50, "messages again")
+
+
+def test_a_program_that_is_killed_while_it_is_silent_is_gone(
+    robots: Robots, looking: Looking
+) -> None:
+    program = robots.start(APP)
+    pid = pid_of(program)
+    looking.until(lambda: looking.known.processes, "the program")
+    os.kill(pid, signal.SIGSTOP)
+    looking.until(lambda: looking.known.silent == {pid}, "the silence")
+    program.process.kill()
+    program.process.wait()
+    looking.until(lambda: not looking.known.processes, "the end")
+    assert looking.known.said(0) is None
+
+
+def test_a_view_of_one_program_does_not_speak_of_others(robots: Robots) -> None:
+    robots.start(APP)
+    other = pid_of(robots.start(LISTENER))
+    surveyor = Surveyor("app")
+    assert surveyor.survey().trouble == ""
+    os.kill(other, signal.SIGSTOP)
+    try:
+        found = surveyor.survey()
+    finally:
+        os.kill(other, signal.SIGCONT)
+    assert (found.silent, found.trouble) == (frozenset(), "")
+    assert len(found.processes) == 1
+
+
 def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -> None:
     robots.start(APP)
     source = AttachedSource("app")
@@ -118,7 +167,7 @@ def test_a_thread_that_fails_ends_the_view_and_is_not_silent(
     def fail(*_: object) -> None:
         raise KeyError("an answer of another version")
 
-    monkeypatch.setattr("rosbase_view.attached.source.survey", fail)
+    monkeypatch.setattr("rosbase_view.attached.source.Surveyor.survey", fail)
     source = AttachedSource()
     source.start()
     try:

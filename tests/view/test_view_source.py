@@ -47,9 +47,14 @@ def test_a_wrong_name_has_suggestions() -> None:
 
 def test_a_name_of_two_programs_is_ambiguous() -> None:
     twice = [made_process(1), made_process(2)]
-    with pytest.raises(ControlError) as caught:
+    with pytest.raises(ControlError, match=r"name the pid: rosbase view 1$") as caught:
         chosen(twice, "quadruped")
     assert caught.value.kind == "ambiguous"
+
+
+def test_a_wrong_name_is_answered_with_names() -> None:
+    with pytest.raises(ControlError, match=r"there are: camera, other, quadruped$"):
+        chosen(parent_and_child(), "mine")
 
 
 def test_only_the_topic_that_is_looked_at_sends_messages() -> None:

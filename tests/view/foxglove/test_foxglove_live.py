@@ -207,6 +207,17 @@ def test_a_program_goes_and_comes_back_and_its_clients_stay(robots: Robots) -> N
         ]
 
 
+def test_all_programs_are_served_and_the_end_of_each_is_told(robots: Robots) -> None:
+    first = robots.start(APP)
+    pid = pid_of(first)
+    with served() as (view, port), FoxgloveClient(port) as client:
+        client.channel("/position")
+        first.stop(signal.SIGINT)
+        view.waits_for(f"app [{pid}] has ended")
+        again = pid_of(robots.start(APP))
+        view.waits_for(f"app [{again}] is back")
+
+
 def test_topics_of_programs_that_do_not_hear_each_other_have_two_names(robots: Robots) -> None:
     robots.start(APP)
     robots.start(LISTENER)

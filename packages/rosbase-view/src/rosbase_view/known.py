@@ -34,6 +34,8 @@ class Known:
         self.has_survey = False
         """Whether any source has told what runs."""
         self.processes: Sequence[Process] = ()
+        self.silent: frozenset[int] = frozenset()
+        """Pids of processes that do not answer."""
         self.topics: dict[TopicKey, TopicState] = {}
         self.nodes: dict[NodeKey, NodeRow] = {}
         self.loops: Sequence[Statistics] = ()
@@ -48,6 +50,7 @@ class Known:
         """Report on each node that is looked at."""
         self.position: Position | None = None
         """Where a recording is; None for what runs."""
+        self._trouble: Said | None = None
         self._said: Said | None = None
         self._said_ns = 0
         self._survey_ns = 0
@@ -92,15 +95,20 @@ class Known:
         self.heard = {key: one for key, one in self.heard.items() if key in gaze.topics}
 
     def said(self, now_ns: int) -> Said | None:
-        """Return what the user should read now; after ten seconds it is gone."""
+        """Return what the user should read now.
+
+        After ten seconds it is gone. Trouble with a program is gone when the program is back.
+        """
         if self._said is not None and now_ns - self._said_ns > _SAID_NS:
             self._said = None
-        return self._said
+        return self._said or self._trouble
 
     def _learn(self, survey: Survey, now_ns: int) -> None:
         self._learn_cpu(survey.processes, now_ns)
         self.has_survey = True
         self.processes, self.loops = survey.processes, survey.loops
+        self.silent = survey.silent
+        self._trouble = Said(survey.trouble, is_error=True) if survey.trouble else None
         for key, topic in survey.topics.items():
             if key in self.topics:
                 self.topics[key].learn(topic)

@@ -47,6 +47,10 @@ class Survey:
     topics: Mapping[TopicKey, Topic]
     nodes: Sequence[NodeRow]
     loops: Sequence[Statistics]
+    silent: frozenset[int] = frozenset()
+    """Pids of processes that exist and do not answer: this is what they have told before."""
+    trouble: str = ""
+    """Line that the user should read until the next survey."""
 
 
 @frozen
@@ -123,7 +127,7 @@ class NodeReport:
 
 @frozen
 class Said:
-    """Something that the user should read: the result of a change, or a program that is silent."""
+    """Something that the user should read: the result of a change, or what cannot be shown."""
 
     text: str
     is_error: bool = False

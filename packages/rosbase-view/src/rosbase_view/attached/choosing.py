@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
+from rosbase import ControlError
 from rosbase.control.buses import with_children
-from rosbase.control.names import ambiguous, unknown
+from rosbase.control.names import unknown
 from rosbase.control.questions.base import label
 from rosbase.control.shapes import Process
 
@@ -26,10 +27,13 @@ def chosen(processes: Sequence[Process], name: str | None) -> list[Process]:
     wanted = name.lstrip("/")
     those = [p for p in processes if wanted in (str(p["pid"]), *_names(p))]
     if not those:
-        known = [name for p in processes for name in (*_names(p), str(p["pid"]))]
+        # A name says more than a pid, so a process has its pid only if it has no name.
+        known = [one for p in processes for one in _names(p) or [str(p["pid"])]]
         raise unknown("program", name, known)
     if len(those) > 1:
-        raise ambiguous("program", name, [label(p) for p in those])
+        who = [label(p) for p in those]
+        text = f"program {name} is in {len(who)} processes: {', '.join(who)}; name the pid"
+        raise ControlError(f"{text}: rosbase view {those[0]['pid']}", "ambiguous", who)
     return with_children(those[0], processes)
 
 

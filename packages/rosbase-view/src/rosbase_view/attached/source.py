@@ -1,15 +1,15 @@
 """The source of running programs."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from rosbase import Clock, ControlError, SystemClock, background_thread
 from rosbase.control.gathering import ask_one
-from rosbase.control.time_limit import TimeLimit
 from rosbase_view.attached.asking import NodeAsker, make_change
 from rosbase_view.attached.inbox import Inbox
 from rosbase_view.attached.streams import Streams
-from rosbase_view.attached.surveying import survey
+from rosbase_view.attached.surveying import Surveyor
 from rosbase_view.attached.wanted import Tag, wanted
 from rosbase_view.reports import Report, Said, Survey, TopicKey
 from rosbase_view.source import Change, Gaze
@@ -37,17 +37,16 @@ class AttachedSource:
             clock: Tells when to ask again.
         """
         self._name = name
+        self._surveyor = Surveyor(name)
         self._clock = clock or SystemClock()
         self._inbox = Inbox()
-        self._streams = Streams(self._inbox.put_event, self._refused, self._fail)
-        self._silent_until: dict[str, TimeLimit] = {}
+        self._streams = Streams(self._take, self._refused, self._fail)
         self._nodes = NodeAsker()
         self._found = Survey((), {}, (), ())
         self._gaze = Gaze()
         self._poke = threading.Event()
         self._is_closed = False
         self._failure: Exception | None = None
-        self._was_there = True
         self._thread = background_thread(self._run, "rosbase view survey")
 
     def check(self) -> None:
@@ -57,7 +56,7 @@ class AttachedSource:
             ControlError: No program has the name, or several have.
         """
         if self._name is not None:
-            self._inbox.put(survey(self._name, self._silent, self._silent_until))
+            self._inbox.put(self._surveyor.survey())
 
     def start(self, on_news: Callable[[], object] | None = None) -> None:
         """Start the threads.
@@ -143,19 +142,14 @@ class AttachedSource:
 
     def _survey(self) -> Survey:
         try:
-            found = survey(self._name, self._silent, self._silent_until)
+            return self._surveyor.survey()
         except ControlError as error:
-            if self._was_there:
-                # Said once; the view goes on, because the program may be started again.
-                self._inbox.put(Said(str(error), is_error=True))
-            self._was_there = False
-            return Survey((), {}, (), ())
-        self._was_there = True
-        return found
+            # The view goes on, because the program may be started again.
+            return Survey((), {}, (), (), trouble=str(error))
 
     def _ask_nodes(self, found: Survey, gaze: Gaze) -> None:
         for node in found.nodes:
-            if node.key not in gaze.nodes:
+            if node.key not in gaze.nodes or node.key[1] in found.silent:
                 continue
             try:
                 report = self._nodes.ask(node.key, has_lifecycle=node.lifecycle is not None)
@@ -164,8 +158,13 @@ class AttachedSource:
                 continue
             self._inbox.put(report)
 
-    def _silent(self, reason: str) -> None:
-        self._inbox.put(Said(reason, is_error=True))
+    def _take(
+        self, tag: Tag, answer: Mapping[str, Any], event: Mapping[str, Any], data: bytes
+    ) -> None:
+        """Take an event, on the thread that reads the streams."""
+        if tag.pid in self._found.silent:
+            self._surveyor.ask_again(tag.pid)
+        self._inbox.put_event(tag, answer, event, data)
 
     def _refused(self, tag: Tag, reason: str) -> None:
         # A topic without a ROS type cannot be shown, which matters only if it is looked at.

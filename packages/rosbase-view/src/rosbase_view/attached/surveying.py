@@ -1,18 +1,20 @@
 """Ask all programs what they have: one round of questions, and the survey that it gives."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rosbase import ControlError
 from rosbase.control.buses import buses
-from rosbase.control.gathering import gather
+from rosbase.control.folder import is_alive, sockets
+from rosbase.control.gathering import Replies, gather
 from rosbase.control.joined_topics import joined_topics
+from rosbase.control.questions.base import label
 from rosbase.control.shapes import Process, Topic
 from rosbase.control.time_limit import TimeLimit
 from rosbase_view.attached.choosing import chosen
 from rosbase_view.reports import NodeRow, Survey, TopicKey
 
-__all__ = ["survey"]
+__all__ = ["Surveyor"]
 
 _ASKS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("process", {}),
@@ -22,28 +24,78 @@ _ASKS: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 
 
-def survey(
-    name: str | None,
-    on_silent: Callable[[str], object],
-    silent_until: dict[str, TimeLimit],
-) -> Survey:
-    """Return what runs now, of all programs or of one and its child processes.
+class Surveyor:
+    """Asks all programs, or one and its child processes.
 
-    Args:
-        name: A program or its pid; None for all.
-        on_silent: Called with a line for each program that does not answer within a second.
-        silent_until: Kept between calls, so that such a program is left out for five seconds.
-
-    Raises:
-        ControlError: No program has that name, or several have.
+    A program that does not answer is still there as long as its socket and its process are: its
+    last answers count on, and the survey names it.
     """
-    replies = gather(_ASKS, 1.0, None, on_silent, silent_until)
-    answers = {reply.pid: reply.answers for reply in replies}
-    all_processes = [found[0] for found in answers.values() if _is_answer(found[0])]
-    processes = chosen(all_processes, name)
-    own = {process["pid"]: answers[process["pid"]] for process in processes}
-    loops: list[Any] = [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")]
-    return Survey(processes, _topics(own, processes), _nodes(own), loops)
+
+    def __init__(self, name: str | None) -> None:
+        """Begin with nothing known.
+
+        Args:
+            name: A program or its pid; None for all.
+        """
+        self._name = name
+        # By socket: two processes may have one pid, each in a namespace of its own.
+        self._last: dict[str, Replies] = {}
+        # Such programs are left out for five seconds.
+        self._silent_until: dict[str, TimeLimit] = {}
+
+    def survey(self) -> Survey:
+        """Return what runs now. Takes a second if a program does not answer.
+
+        Raises:
+            ControlError: No program has the name, or several have.
+        """
+        replies = gather(_ASKS, 1.0, None, None, self._silent_until)
+        answered = {reply.path: reply for reply in replies}
+        silent = {path: pid for path, pid in self._silent().items() if path not in answered}
+        kept = {path: self._last[path] for path in silent if path in self._last}
+        strange = [pid for path, pid in silent.items() if path not in kept]
+        self._last = answered | kept
+        answers = {reply.pid: reply.answers for reply in self._last.values()}
+        all_processes = [found[0] for found in answers.values() if _is_answer(found[0])]
+        try:
+            processes = chosen(all_processes, self._name)
+        except ControlError as error:
+            if not strange or error.kind != "unknown":
+                raise
+            # It may be one of those whose names are not known.
+            text = f"{error} ({_trouble([], strange)})"
+            raise ControlError(text, error.kind, error.suggestions) from None
+        own = {process["pid"]: answers[process["pid"]] for process in processes}
+        loops: list[Any] = [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")]
+        mute = frozenset(reply.pid for reply in kept.values()) & own.keys()
+        trouble = _trouble(
+            [process for process in processes if process["pid"] in mute],
+            # The user of one program need not know of others.
+            strange if self._name is None else [],
+        )
+        return Survey(processes, _topics(own, processes), _nodes(own), loops, mute, trouble)
+
+    def ask_again(self, pid: int) -> None:
+        """Leave a program out no longer, because it has sent something. Any thread may tell."""
+        for path, reply in list(self._last.items()):
+            if reply.pid == pid:
+                self._silent_until.pop(path, None)
+
+    def _silent(self) -> dict[str, int]:
+        """Return the sockets and pids of processes that exist, and have not answered."""
+        return {
+            path: pid
+            for pid, path in sockets()
+            if (limit := self._silent_until.get(path)) is not None
+            and not limit.is_over
+            and is_alive(pid)
+        }
+
+
+def _trouble(known: Sequence[Process], strange: Sequence[int]) -> str:
+    """Return a line about processes that do not answer, some of which never have."""
+    names = [*map(label, known), *(f"process {pid}" for pid in strange)]
+    return f"no answer from {', '.join(names)}" if names else ""
 
 
 def _is_answer(answer: object) -> bool:

@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rosbase import Clock, ControlError, background_thread
-from rosbase.control.time_limit import TimeLimit
+from rosbase.control.questions.base import label
 from rosbase_view.attached.streams import Streams
-from rosbase_view.attached.surveying import survey
+from rosbase_view.attached.surveying import Surveyor
 from rosbase_view.attached.wanted import Tag
 from rosbase_view.foxglove.asking import schema_of
 from rosbase_view.foxglove.channels import Channels
@@ -54,8 +54,10 @@ class LiveBridge:
         self._services = ServiceDesk(self._server)
         self._client_topics = ClientTopics(self._channels, self._notices, self._fail)
         self._streams = Streams(self._take, self._refused, self._fail)
-        self._silent_until: dict[str, TimeLimit] = {}
+        self._surveyor = Surveyor(name)
         self._found = _NOTHING
+        # Names of the programs at the last look, with their pids.
+        self._programs: dict[str, str] = {}
         self._poke = threading.Event()
         self._is_closed = False
         self._thread = background_thread(self._run, "rosbase view foxglove")
@@ -117,18 +119,34 @@ class LiveBridge:
 
     def _survey(self) -> Survey:
         try:
-            found = survey(self._name, self._silent, self._silent_until)
+            found = self._surveyor.survey()
         except ControlError as error:
             # It may be started again.
             self._notices.say("program", str(error))
             return _NOTHING
         self._notices.end("program", f"program {self._name} is back")
+        self._tell_programs(found)
+        if found.trouble:
+            self._notices.say("silent", found.trouble)
+        else:
+            self._notices.end("silent", "all programs answer again")
         return found
+
+    def _tell_programs(self, found: Survey) -> None:
+        """Tell which programs have ended since the last look, and which have come back."""
+        before = self._programs
+        self._programs = {process["name"]: label(process) for process in found.processes}
+        for name in before.keys() - self._programs.keys():
+            self._notices.say(f"program {name}", f"{before[name]} has ended")
+        for name in self._programs.keys() - before.keys():
+            self._notices.end(f"program {name}", f"{self._programs[name]} is back")
 
     def _take(
         self, tag: Tag, _answer: Mapping[str, Any], event: Mapping[str, Any], data: bytes
     ) -> None:
         """Take a message, on the thread that reads."""
+        if tag.pid in self._found.silent:
+            self._surveyor.ask_again(tag.pid)
         # One that the program has kept has no date.
         stamp_ns = event["stamp_ns"] or self._clock.now_ns()
         if tag.kind == "transform":
@@ -137,9 +155,6 @@ class LiveBridge:
         self._channels.send(tag.topic, stamp_ns, data)
         if event["dropped"]:
             self._channels.count_dropped(tag.topic, tag.pid, event["dropped"])
-
-    def _silent(self, reason: str) -> None:
-        self._notices.say("silent", reason)
 
     def _refused(self, tag: Tag, reason: str) -> None:
         self._notices.say(f"stream {tag.topic[0]}", f"{tag.topic[0]} is not sent: {reason}")

@@ -36,9 +36,14 @@ class ProgramsPage(BasePage):
         """Return the cells of a row."""
         process, program = self._find(key)
         cpu = self.known.cpu.get(process["pid"])
+        is_silent = process["pid"] in self.known.silent
+        is_well = program["phase"] == "running" and not is_silent
         return (
             Cell(program["name"].lstrip("/")),
-            Cell(state_of(program), Ink.GOOD if program["phase"] == "running" else Ink.WARNING),
+            Cell(
+                "does not answer" if is_silent else state_of(program),
+                Ink.GOOD if is_well else Ink.WARNING,
+            ),
             Cell("-" if program["rate_hz"] is None else rate(program["rate_hz"])),
             Cell("-" if cpu is None else f"{cpu * 100:.1f} %"),
             Cell(size(process["memory_bytes"])),
