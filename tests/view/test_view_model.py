@@ -99,6 +99,40 @@ def test_topics_have_rate_age_and_type() -> None:
     ]
 
 
+def test_topics_of_one_name_are_told_apart_by_their_programs() -> None:
+    other = PID + 1
+    found = attrs.evolve(
+        survey(1),
+        processes=[
+            made_process(PID, made_program("/left")),
+            made_process(other, made_program("/right")),
+        ],
+        topics={
+            ("/imu/data", PID): made_topic("/imu/data"),
+            ("/imu/data", other): made_topic("/imu/data"),
+            ("/text", PID): made_topic("/text"),
+        },
+    )
+    view = view_of([found])
+    _, *rows = shown(view.draw_list(SMALL))
+    assert ["left:" in row for row in rows] == [True, False, False]
+    assert ["right:" in row for row in rows] == [False, True, False]
+    assert shown(view.draw_detail(SMALL, is_beside=False))[1] == "/imu/data of left"
+
+
+def test_a_program_that_does_not_answer_is_named_until_it_does() -> None:
+    trouble = "no answer from quadruped [4711]"
+    view = view_of(
+        [attrs.evolve(survey(), silent=frozenset({PID}), trouble=trouble)], page=PROGRAMS
+    )
+    assert "does not answer" in shown(view.draw_list(SMALL))[1]
+    much_later = NOW + 3_600_000_000_000
+    assert plain(view.draw_status(80, much_later)[0]) == trouble
+    view.known.take([survey()], much_later)
+    assert "does not answer" not in shown(view.draw_list(SMALL))[1]
+    assert "q quit" in " ".join(plain(view.draw_status(80, much_later)[0]).split())
+
+
 def test_the_page_that_is_shown_is_marked_without_colour() -> None:
     view = view_of(reports(), page=LOG)
     assert plain(view.draw_heading(100)[0]).startswith(

@@ -74,6 +74,28 @@ def test_an_orientation_that_is_old_is_not_shown_as_that_of_now() -> None:
     assert "last message: 3.0 s" in status_html(picture)
 
 
+def test_a_board_that_falls_silent_has_no_rate_and_says_for_how_long() -> None:
+    counts = [Counted(IMU_TOPIC, 10, 0.1, 0.01 * number) for number in reversed(range(10))]
+    model = model_of(surveyed(), *counts, heard())
+    assert "yaw" in status_html(model.picture(0))
+    text = status_html(model.picture(7 * SECOND))
+    assert "silent for 7.0 s" in text
+    assert " Hz" not in text
+    assert "no orientation" not in text
+
+
+def test_a_board_whose_program_does_not_answer_stays_and_says_so() -> None:
+    trouble = "no answer from quadruped [4711]"
+    model = model_of(surveyed(), Counted(IMU_TOPIC, 10, 0.1), heard())
+    model.take([evolve(surveyed(), silent=frozenset({PID}), trouble=trouble)], SECOND)
+    picture = model.picture(SECOND)
+    assert picture.topic == "/imu/data"
+    assert "its program does not answer; last message: 1.0 s" in status_html(picture)
+    assert trouble in status_html(picture)
+    model.take([surveyed()], 2 * SECOND)
+    assert "answer" not in status_html(model.picture(2 * SECOND))
+
+
 def test_a_recording_that_stands_still_shows_its_last_message() -> None:
     position = Position(SECOND, 0, 10 * SECOND, is_playing=False)
     model = model_of(surveyed(), Counted(IMU_TOPIC, 10, 0.1), heard(), position)

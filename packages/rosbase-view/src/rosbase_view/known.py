@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 
 from rosbase.control.shapes import LogRecord, Process, Statistics
+from rosbase_view.owners import owners
 from rosbase_view.reports import (
     Counted,
     Heard,
@@ -37,6 +38,8 @@ class Known:
         self.silent: frozenset[int] = frozenset()
         """Pids of processes that do not answer."""
         self.topics: dict[TopicKey, TopicState] = {}
+        self.owners: dict[TopicKey, str] = {}
+        """Program of each topic whose name other topics have too."""
         self.nodes: dict[NodeKey, NodeRow] = {}
         self.loops: Sequence[Statistics] = ()
         self.cpu: dict[int, float] = {}
@@ -79,6 +82,11 @@ class Known:
             elif isinstance(report, Said):
                 self._said, self._said_ns = report, now_ns
 
+    @property
+    def programs(self) -> dict[int, str]:
+        """Return the name of the program of each process."""
+        return {process["pid"]: process["name"] for process in self.processes}
+
     def time_ns(self, now_ns: int) -> int:
         """Return the time of the topics: that of the recording, or the monotonic one."""
         return now_ns if self.position is None else self.position.now_ns
@@ -115,6 +123,7 @@ class Known:
             else:
                 self.topics[key] = TopicState(topic)
         self.topics = {key: self.topics[key] for key in sorted(survey.topics)}
+        self.owners = owners(self.topics, self.programs)
         self.nodes = {node.key: node for node in survey.nodes}
         self.heard = {key: one for key, one in self.heard.items() if key in self.topics}
         self.node_reports = {

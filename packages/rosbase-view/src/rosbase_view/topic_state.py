@@ -61,7 +61,10 @@ class TopicState:
             self._bar_count, self._bar_s = 0, 0.0
 
     def rate_hz(self, now_ns: int) -> float | None:
-        """Return the messages a second, from the times of messages; None if there was only one."""
+        """Return the messages a second, from the times of messages; None if there was only one.
+
+        It is 0 once the next message is late: a mean that falls slowly tells of no rate that was.
+        """
         if len(self._points) < 2:
             return None if self.total == 0 or not self._is_silent(now_ns, _MOST_NS) else 0.0
         last_ns, total = self._points[-1]
@@ -71,7 +74,7 @@ class TopicState:
         passed_ns = last_ns - first_ns
         period_ns = passed_ns / (total - before) if total > before else 0.0
         if self._is_silent(now_ns, _LATE * period_ns + _BAR_S * _NS):
-            passed_ns = now_ns - first_ns
+            return 0.0
         return (total - before) * _NS / passed_ns if passed_ns > 0 else None
 
     def age_ns(self, now_ns: int) -> int | None:

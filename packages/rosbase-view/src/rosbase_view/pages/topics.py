@@ -81,7 +81,7 @@ class TopicsPage(BasePage):
             Cell(rate(topic.rate_hz(now_ns)), ink),
             Cell(age(age_ns), ink),
             Cell(topic.sparkline.draw(_SPARKLINE, self.glyphs), drawn),
-            Cell(", ".join(topic.topic["types"]), Ink.DIM),
+            Cell(self._owner(key, ": ") + ", ".join(topic.topic["types"]), Ink.DIM),
         )
 
     def detail(self, key: Hashable | None, pane: Pane, first: int) -> list[Line]:
@@ -91,8 +91,9 @@ class TopicsPage(BasePage):
         topic, heard = self.known.topics[_key(key)], self.known.heard.get(_key(key))
         ends = topic.topic
         lost = f", which lost {counted(topic.dropped, 'message')}" if topic.dropped else ""
+        owner = f" of {name}" if (name := self._owner(key)) else ""
         lines = [
-            line(Span(clipped(_key(key)[0], pane.width), Ink.TITLE)),
+            line(Span(clipped(f"{_key(key)[0]}{owner}", pane.width), Ink.TITLE)),
             line(
                 f"{counted(len(ends['publishers']), 'publisher')},"
                 f" {counted(len(ends['subscriptions']), 'subscription')}{lost}"
@@ -107,6 +108,11 @@ class TopicsPage(BasePage):
         except WireError as error:
             message = [line(Span(clipped(f"cannot be read: {error}", pane.width), Ink.BAD))]
         return [*lines, *message][: pane.height]
+
+    def _owner(self, key: Hashable, ending: str = "") -> str:
+        """Return the program, with an ending, if other programs have a topic of that name."""
+        name = self.known.owners.get(_key(key))
+        return "" if name is None else name + ending
 
     def _message_lines(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
         """Return the lines of a message: those of before, if it is the same one."""

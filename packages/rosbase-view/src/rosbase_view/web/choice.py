@@ -1,7 +1,9 @@
 """One of several topics or nodes, as a drop-down shows it. Pure."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
+
+from rosbase_view.owners import owners
 
 __all__ = ["Choice", "Key"]
 
@@ -19,11 +21,18 @@ class Choice:
     def __init__(self) -> None:
         """Begin without options."""
         self._keys: list[Key] = []
+        self._owners: Mapping[Key, str] = {}
         self._chosen: Key | None = None
 
-    def offer(self, keys: Iterable[Key]) -> None:
-        """Take the options that there are now. Choose the first if none was chosen before."""
+    def offer(self, keys: Iterable[Key], programs: Mapping[int, str]) -> None:
+        """Take the options that there are now. Choose the first if none was chosen before.
+
+        Args:
+            keys: The options.
+            programs: Name of the program of each pid.
+        """
         self._keys = sorted(keys)
+        self._owners = owners(self._keys, programs)
         if self._chosen in self._keys:
             return
         name = self._chosen[0] if self._chosen is not None else None
@@ -61,6 +70,6 @@ class Choice:
         return self._label(self._chosen) if self.key else f"{self._chosen[0]} (gone)"
 
     def _label(self, key: Key) -> str:
-        """Return the name, and the pid too if others have the same name."""
-        name, pid = key
-        return name if sum(one == name for one, _ in self._keys) == 1 else f"{name} (pid {pid})"
+        """Return the name, and its program too if others have the same name."""
+        owner = self._owners.get(key)
+        return key[0] if owner is None else f"{key[0]} ({owner})"

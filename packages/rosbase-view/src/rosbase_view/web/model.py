@@ -67,6 +67,8 @@ class Picture:
     """Orientation of the board; None if it is unknown, or not known any more."""
     is_there: bool = False
     """Whether the topic exists."""
+    is_fresh: bool = True
+    """Whether a message has come so lately that it tells of now."""
     rate_hz: float | None = None
     age_ns: int | None = None
     statuses: Sequence[Status] = ()
@@ -77,6 +79,8 @@ class Picture:
     traces: Mapping[Quantity, Trace] = field(factory=dict)
     said: Said | None = None
     has_programs: bool = False
+    is_answering: bool = True
+    """Whether the program of the topic answers."""
     position: Position | None = None
     """Where a recording is; None for what runs."""
 
@@ -142,6 +146,7 @@ class Model:
             node=self._nodes.label,
             rotation=self._rotation if is_fresh and state is not None else None,
             is_there=state is not None,
+            is_fresh=is_fresh,
             rate_hz=None if state is None else state.rate_hz(now_ns),
             age_ns=age_ns,
             statuses=self._health.statuses(None if is_recording else now_ns),
@@ -150,14 +155,17 @@ class Model:
             traces=self._traces,
             said=self.known.said(now_ns),
             has_programs=bool(self.known.processes),
+            is_answering=key is None or key[1] not in self.known.silent,
             position=self.known.position,
         )
 
     def _learn(self) -> None:
         """Offer what the newest survey has found."""
-        topics = self.known.topics.items()
-        self._topics.offer(key for key, one in topics if IMU in one.topic["types"])
-        self._nodes.offer(key for key, one in self.known.nodes.items() if one.lifecycle is not None)
+        known = self.known
+        imus = [key for key, one in known.topics.items() if IMU in one.topic["types"]]
+        nodes = [key for key, one in known.nodes.items() if one.lifecycle is not None]
+        self._topics.offer(imus, known.programs)
+        self._nodes.offer(nodes, known.programs)
         self._follow()
 
     def _run(self, node: NodeKey, transition: str, now_ns: int) -> Change | None:

@@ -34,6 +34,10 @@ def _topic(picture: Picture) -> str:
         return _badge("STALE") + why
     if not picture.is_there:
         return _badge("STALE") + "nobody publishes it now; waiting for it"
+    if not picture.is_answering:
+        return _badge("STALE") + f"its program does not answer; last message: {age(picture.age_ns)}"
+    if _is_silent(picture):
+        return _badge("STALE") + f"silent for {age(picture.age_ns)}"
     return f"{rate(picture.rate_hz)}, last message: {age(picture.age_ns)}"
 
 
@@ -41,10 +45,15 @@ def _attitude(picture: Picture) -> str:
     if not picture.is_there:
         return ""
     if picture.rotation is None:
-        return "no orientation"
+        # Whether it has one now, only the next message tells.
+        return "no orientation" if picture.is_fresh else ""
     names = ("roll", "pitch", "yaw")
     found = zip(names, angles(picture.rotation), strict=True)
     return ", ".join(f"{name} {angle:.1f}°" for name, angle in found)
+
+
+def _is_silent(picture: Picture) -> bool:
+    return picture.position is None and picture.rate_hz == 0.0 and picture.age_ns is not None
 
 
 def _status(status: Status) -> str:
