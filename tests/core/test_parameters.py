@@ -82,6 +82,10 @@ def test_text_becomes_a_value_of_the_parameter(
 @pytest.mark.parametrize(
     ("spec", "text", "complaint"),
     [
+        (PATHS, '["x]', "parameter paths: the list '[\"x]' has an open quote or bracket"),
+        (PATHS, "[a, b", "parameter paths: the list '[a, b' has an open quote or bracket"),
+        (PATHS, "['a, b]", "parameter paths: the list "),
+        (STDDEV, "[1, 2", "parameter stddev: the list '[1, 2' has an open quote or bracket"),
         (BAUD, "fast", "parameter baudrate takes a whole number, not 'fast'"),
         (BAUD, "1.5", "parameter baudrate takes a whole number, not 1.5"),
         (BAUD, "true", "parameter baudrate takes a whole number, not True"),

@@ -55,7 +55,12 @@ def parse_text(spec: ParameterSpec, text: str) -> ParameterValue:
     if spec.kind is ParameterKind.STRING:
         return check_value(spec, text)
     if spec.kind is ParameterKind.BYTE_ARRAY or spec.kind in ELEMENTS:
-        return _parse_items(spec, [WrittenText(item) for item in _items(text)])
+        items = _items(text)
+        if items is None:
+            raise ParameterError(
+                f"parameter {spec.name}: the list {text[:60]!r} has an open quote or bracket"
+            )
+        return _parse_items(spec, [WrittenText(item) for item in items])
     return check_value(spec, _scalar(spec, spec.kind, text))
 
 
@@ -141,15 +146,22 @@ def _scalar(spec: ParameterSpec, kind: ParameterKind, text: str) -> bool | float
     return text
 
 
-def _items(text: str) -> list[str]:
-    """Split a list such as `[a, 'b, c', d[0, 1]]` at commas outside quotes and inner brackets."""
-    pieces = _pieces(text)
-    if len(pieces) == 1 and _closes_last(pieces[0]):
-        pieces = _pieces(pieces[0][1:-1])
+def _items(text: str) -> list[str] | None:
+    """Split a list such as `[a, 'b, c', d[0, 1]]` at commas outside quotes and inner brackets.
+
+    Return None if its first bracket, or a quote within it, is not closed.
+    """
+    pieces, is_open = _pieces(text)
+    is_list = len(pieces) == 1 and _closes_last(pieces[0])
+    if is_list and not is_open:
+        pieces, is_open = _pieces(pieces[0][1:-1])
+    if is_open and text.lstrip().startswith("["):
+        return None
     return [_QUOTED.sub(r"\2", piece) for piece in pieces if piece]
 
 
-def _pieces(text: str) -> list[str]:
+def _pieces(text: str) -> tuple[list[str], bool]:
+    """Return the parts between the commas, and whether a quote or bracket is open at the end."""
     pieces, depth, quote = [""], 0, ""
     for sign in text:
         if quote:
@@ -163,7 +175,7 @@ def _pieces(text: str) -> list[str]:
             pieces.append("")
         else:
             pieces[-1] += sign
-    return [piece.strip() for piece in pieces]
+    return [piece.strip() for piece in pieces], bool(quote) or depth > 0
 
 
 def _closes_last(text: str) -> bool:
