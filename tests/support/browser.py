@@ -59,6 +59,10 @@ def chromium() -> str | None:
     return next((path for name in names if (path := shutil.which(name))), None)
 
 
+class PageLoadedError(Exception):
+    """The page was loaded again before its script had ended."""
+
+
 class Browser:
     """A page in a browser."""
 
@@ -76,6 +80,8 @@ class Browser:
         while True:
             answer = json.loads(self._connection.recv(timeout=30))
             if answer.get("id") == number:
+                if "navigated" in answer.get("error", {}).get("message", ""):
+                    raise PageLoadedError
                 assert "result" in answer, answer
                 return answer["result"]
 
@@ -100,14 +106,22 @@ class Browser:
         self.until_true(f"{json.dumps(texts)}.every(one => ({_TEXT}).includes(one))", str(texts))
 
     def until_true(self, condition: str, what: str) -> None:
-        """Waits until an expression is true; the page looks itself, ten times a second."""
+        """Waits until an expression is true; the page looks itself, ten times a second.
+
+        If the page is loaded again meanwhile, the new one looks.
+        """
         script = f"""new Promise(resolve => {{
             const end = Date.now() + {_TIMEOUT_MS};
             const look = () => {condition} ? resolve(true)
                 : Date.now() > end ? resolve(false) : setTimeout(look, 100);
             look();
         }})"""
-        assert self.run(script), f"waited for {what}, not only {self.text!r}"
+        while True:
+            try:
+                assert self.run(script), f"waited for {what}, not only {self.text!r}"
+            except PageLoadedError:
+                continue
+            return
 
     @property
     def buttons(self) -> set[str]:

@@ -208,6 +208,27 @@ def test_a_program_that_goes_and_comes_back_is_shown_again(
         assert view.err.lines == []
 
 
+def test_a_view_that_is_gone_is_told_and_found_again(tmp_path: Path) -> None:
+    lost = "No connection to rosbase view"
+    with browser(tmp_path) as page:
+        with served(boards()) as url:
+            page.open(url)
+            page.until("/arm/imu")
+            assert lost not in page.text
+        page.until(lost)
+        with served(boards(("/leg/imu", PID)), int(url.split(":")[2].partition("/")[0])):
+            page.until("/leg/imu")
+            assert lost not in page.text
+
+
+def boards(*keys: tuple[str, int]) -> MadeSource:
+    """A source with these boards."""
+    source = MadeSource()
+    topics = {key: made_topic(key[0]) for key in keys or [("/arm/imu", PID)]}
+    source.waiting = [Survey([made_process()], topics, [], [])]
+    return source
+
+
 def test_two_browsers_show_the_same_and_without_any_the_view_asks_for_nothing(
     tmp_path: Path,
 ) -> None:
@@ -245,14 +266,16 @@ def test_a_recording_is_played_and_its_nodes_are_not_changed(tmp_path: Path) -> 
         page.open(url)
         page.until("yaw 90.0°", "seconds", "inactive")
         page.until_buttons("play")
+        # It has begun when the page was opened, and the made position stays.
+        wait_until(lambda: playback.calls == [("play",)], "the beginning")
         page.press("play")
-        wait_until(lambda: playback.calls == [("play",)], "the press")
+        wait_until(lambda: playback.calls == [("play",)] * 2, "the press")
 
 
 @contextlib.contextmanager
-def served(source: MadeSource) -> Iterator[str]:
+def served(source: MadeSource, port: int = 0) -> Iterator[str]:
     """Runs the page of a source on a thread; gives its address."""
-    listening = bind("127.0.0.1", 0)
+    listening = bind("127.0.0.1", port)
     url = page_url("127.0.0.1", listening.getsockname()[1], TOKEN, "")
     page = Page(source, listening, TOKEN, SystemClock())
     thread = threading.Thread(target=page.run)

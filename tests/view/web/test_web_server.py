@@ -1,5 +1,6 @@
 """viser's server behind a token, with real clients of HTTP and WebSocket."""
 
+import gzip
 import http.client
 import secrets
 import socket
@@ -49,7 +50,37 @@ def test_the_page_is_served_to_those_who_know_the_token(port: int) -> None:
     assert response.headers["Referrer-Policy"] == "no-referrer"
 
 
-@pytest.mark.parametrize("path", ["/", "/index.html", "/secret-secret-17/"])
+@pytest.mark.parametrize("encoding", ["identity", "gzip"])
+def test_the_page_has_the_script_that_watches_the_view(port: int, encoding: str) -> None:
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    try:
+        connection.request("GET", f"/{TOKEN}/", headers={"Accept-Encoding": encoding})
+        response = connection.getresponse()
+        body = response.read()
+        assert len(body) == int(response.headers["Content-Length"])
+        page = gzip.decompress(body) if encoding == "gzip" else body
+        assert b"No connection to rosbase view" in page.partition(b"</head>")[0]
+    finally:
+        connection.close()
+
+
+def test_each_start_has_another_word_for_the_page() -> None:
+    words = set()
+    for _ in range(2):
+        listening = bind("127.0.0.1", 0)
+        port = listening.getsockname()[1]
+        server = GuardedServer(listening, TOKEN, "robot")
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+        try:
+            connection.request("GET", f"/{TOKEN}/alive")
+            words.add(connection.getresponse().read())
+        finally:
+            connection.close()
+            server.stop()
+    assert len(words) == 2
+
+
+@pytest.mark.parametrize("path", ["/", "/index.html", "/alive", "/secret-secret-17/"])
 def test_the_page_is_refused_without_the_token(port: int, path: str) -> None:
     assert get(port, path).status == 403
 

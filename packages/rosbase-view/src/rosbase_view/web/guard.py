@@ -8,6 +8,7 @@ viser's server is made, that call is ours.
 import contextlib
 import http
 import logging
+import secrets
 import socket
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -18,6 +19,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from rosbase_view.web.address import inner_path
+from rosbase_view.web.watch import ALIVE, with_watch
 
 __all__ = ["Guard"]
 
@@ -36,6 +38,8 @@ class Guard:
         self.is_used = False
         """Whether viser has made its listener by our call."""
         self._listening, self._token = listening, token
+        # Another one after each start, by which a page finds out.
+        self._word = secrets.token_hex(8).encode()
         self._answer: OnRequest = _answer_nothing
         self._connections: WeakSet[Any] = WeakSet()
 
@@ -74,14 +78,21 @@ class Guard:
     def _check(self, connection: Any, request: Request) -> Response | None:
         path = inner_path(request.path, self._token)
         if path is None:
-            headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(_REFUSAL))})
-            return Response(http.HTTPStatus.FORBIDDEN, "Forbidden", headers, _REFUSAL)
+            return _text(http.HTTPStatus.FORBIDDEN, _REFUSAL)
+        if path == ALIVE:
+            return _text(http.HTTPStatus.OK, self._word)
         self._connections.add(connection)
         response = self._answer(connection, Request(path, request.headers))
         if response is not None:
+            response = with_watch(response)
             # The token is part of the address, which no other page may learn.
             response.headers["Referrer-Policy"] = "no-referrer"
         return response
+
+
+def _text(status: http.HTTPStatus, body: bytes) -> Response:
+    headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(body))})
+    return Response(status, status.phrase, headers, body)
 
 
 def _answer_nothing(_: Any, request: Request) -> Response | None:

@@ -40,6 +40,7 @@ class Page:
         self._panel = Panel(self._server, self._presses.put, can_change=source.can_change)
         self._gaze = Gaze()
         self._topic = ""
+        self._has_begun = False
         self._plots_ns = clock.monotonic_ns()
 
     def run(self) -> None:
@@ -65,6 +66,8 @@ class Page:
         self._look(self._model.gaze if has_browser else Gaze())
         if not has_browser:
             return _IDLE_S
+        if not self._has_begun:
+            self._begin()
         picture = self._model.picture(now_ns)
         if picture.topic != self._topic:
             self._topic = picture.topic
@@ -75,6 +78,12 @@ class Page:
             self._plots_ns = now_ns
         self._panel.show(picture, with_plots=with_plots)
         return _EVERY_S
+
+    def _begin(self) -> None:
+        """Play a recording, now that somebody sees it."""
+        self._has_begun = True
+        if self._source.playback is not None:
+            self._source.playback.play()
 
     def _take_presses(self, now_ns: int) -> None:
         while True:
