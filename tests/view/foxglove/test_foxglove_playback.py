@@ -150,6 +150,14 @@ def test_another_client_gets_what_came_once(client: FoxgloveClient) -> None:
         other.until(lambda: other.of("/model"), "the message")
 
 
+def test_a_board_of_a_recording_is_turned_fifty_times_a_second(client: FoxgloveClient) -> None:
+    client.subscribe("/imu/data")
+    client.subscribe("/tf")
+    client.until(lambda: is_complete(client), "the end")
+    # Of a hundred messages a second.
+    assert len(client.of("/tf")) == COUNT // 2
+
+
 def test_a_board_of_a_recording_is_turned(client: FoxgloveClient) -> None:
     client.subscribe("/tf")
     client.until(lambda: len(client.of("/tf")) > 10, "transforms")

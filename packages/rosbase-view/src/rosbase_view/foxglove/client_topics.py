@@ -102,7 +102,16 @@ class ClientTopics:
             self._disconnect(publisher)
             self._notices.say(_about(offer), f"{offer.topic} is not published: {error}")
         else:
+            self._tell_place(publisher, offer)
+
+    def _tell_place(self, publisher: Publisher, offer: _Offer) -> None:
+        """Tell a client whose topic no program has; it may have mistaken the name."""
+        connection = self._connections.get(publisher)
+        if connection is None or self._channels.key_of(offer.topic) is not None:
             self._notices.end(_about(offer))
+            return
+        text = f"no program has {offer.topic}: it is published in process {connection.pid}"
+        self._notices.say(_about(offer), text)
 
     def _send(self, publisher: Publisher, offer: _Offer, data: bytes) -> None:
         """Publish a message, in the program that has the topic.

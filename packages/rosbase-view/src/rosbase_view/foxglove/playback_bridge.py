@@ -21,7 +21,7 @@ from rosbase_view.foxglove.channels import Channels
 from rosbase_view.foxglove.graph import links
 from rosbase_view.foxglove.notices import Notices
 from rosbase_view.foxglove.server import Server
-from rosbase_view.foxglove.wanted import Listened
+from rosbase_view.foxglove.wanted import TURN_EVERY_NS, Listened
 from rosbase_view.reports import Heard, Position, Report, Said, Survey, TopicKey
 from rosbase_view.source import Gaze, Pace, Playback, Source
 
@@ -62,6 +62,8 @@ class PlaybackBridge:
         self._position: Position | None = None
         self._listened = Listened({}, frozenset())
         self._last: dict[TopicKey, Heard] = {}
+        # When the last transform of each Imu was sent, in the time of the recording.
+        self._turned_ns: dict[TopicKey, int] = {}
         self._has_begun = False
         self._poke = threading.Event()
         # With the time at which each is obeyed.
@@ -174,10 +176,18 @@ class PlaybackBridge:
         self._last[heard.topic] = heard
         if heard.topic in self._listened.topics:
             self._channels.send(heard.topic, stamp_ns, heard.data)
-        if heard.topic in self._listened.turned:
+        if heard.topic in self._listened.turned and self._is_turn_due(heard.topic, stamp_ns):
             self._channels.send_transform(heard.topic, stamp_ns, heard.data)
         if heard.dropped:
             self._channels.count_dropped(heard.topic, None, heard.dropped)
+
+    def _is_turn_due(self, topic: TopicKey, stamp_ns: int) -> bool:
+        """Return whether a transform is due, after a jump too."""
+        before_ns = self._turned_ns.get(topic, -TURN_EVERY_NS)
+        if 0 <= stamp_ns - before_ns < TURN_EVERY_NS:
+            return False
+        self._turned_ns[topic] = stamp_ns
+        return True
 
     def _send_again(self, listened: Listened) -> None:
         """Send the last messages of topics to which another client has begun to listen.

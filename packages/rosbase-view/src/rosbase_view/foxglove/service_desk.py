@@ -98,7 +98,17 @@ def _call(key: _Key, request: ServiceRequest) -> bytes:
     """Call a service. The SDK has a thread for each call, and sends the error.
 
     Raises:
-        ControlError: The call failed, or there is no response in time.
+        CallFailedError: The call failed, or there is no response in time.
     """
     arguments = {"service": key.name, "type": key.type, "timeout_ns": int(_CALL_S * 1e9)}
-    return ask_one(key.pid, "service.call", arguments, request.payload, _CALL_S + 1.0)[1]
+    try:
+        return ask_one(key.pid, "service.call", arguments, request.payload, _CALL_S + 1.0)[1]
+    except ControlError as error:
+        raise CallFailedError(str(error)) from None
+
+
+class CallFailedError(Exception):
+    """A call has failed. The SDK sends the name of the class to the client, before the text."""
+
+
+CallFailedError.__name__ = CallFailedError.__qualname__ = "the call failed"

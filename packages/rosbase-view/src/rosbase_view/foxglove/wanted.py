@@ -9,12 +9,12 @@ from rosbase.control.buses import buses, observers, on_several
 from rosbase_view.attached.wanted import Question, Tag
 from rosbase_view.reports import Survey, TopicKey
 
-__all__ = ["MOST_WAITING", "Listened", "wanted"]
+__all__ = ["MOST_WAITING", "TURN_EVERY_NS", "Listened", "wanted"]
 
 MOST_WAITING = 10_000
 """Messages of a topic that wait in the program, if there is room for their bytes."""
-# A drawing that turns needs no more.
-_TRANSFORM_EVERY_NS = 20_000_000
+TURN_EVERY_NS = 20_000_000
+"""Time between two transforms of an Imu: a drawing that turns needs no more."""
 
 
 @frozen
@@ -48,7 +48,7 @@ def wanted(survey: Survey, listened: Listened) -> dict[Tag, Question]:
                 if key in turned:
                     found[Tag("transform", key, pid)] = Question(
                         "topic.echo",
-                        {"topic": topic["name"], "limit": 1, "every_ns": _TRANSFORM_EVERY_NS},
+                        {"topic": topic["name"], "limit": 1, "every_ns": TURN_EVERY_NS},
                     )
     return found
 
