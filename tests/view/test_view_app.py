@@ -177,6 +177,22 @@ def test_keys_that_come_together_keep_their_order() -> None:
     stage.play(play)
 
 
+def test_ctrl_c_ends_the_view_also_from_the_editor() -> None:
+    for is_editing in (False, True):
+        stage = Stage()
+
+        async def play(app: ViewApp, pilot: "Pilot[None]", is_editing: bool = is_editing) -> None:
+            if is_editing:
+                app.push_screen(ValueEditor("speed", "1.5"))
+                await pilot.pause()
+            await pilot.press("ctrl+c")
+            await until(pilot, lambda: not app.is_running)
+
+        stage.play(play)
+        assert stage.app.return_code == 0
+        assert stage.source.calls[-1] == "close"
+
+
 def test_an_edit_is_given_up() -> None:
     stage = Stage()
 

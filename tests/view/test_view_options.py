@@ -30,6 +30,7 @@ def parsed(*words: str) -> Options:
         ("quadruped --web", ("web", "quadruped", 8080)),
         ("--foxglove", ("foxglove", None, 8765)),
         ("--foxglove 0 quadruped", ("foxglove", "quadruped", 0)),
+        ("--web 2026-11-29.mcap", ("web", "2026-11-29.mcap", 8080)),
         ("--foxglove field.mcap", ("foxglove", "field.mcap", 8765)),
     ],
 )
@@ -43,7 +44,12 @@ def test_a_word_behind_an_option_is_a_port_or_a_name(
 
 @pytest.mark.parametrize(
     ("words", "reason"),
-    [("--web x quadruped", "'x' is no port"), ("--web 65536", "there is no port 65536")],
+    [
+        ("--web x quadruped", "'x' is no port"),
+        ("--web 65536", "there is no port 65536"),
+        ("--web 80a", "'80a' is no port"),
+        ("--foxglove -5", "'-5' is no port"),
+    ],
 )
 def test_a_mistake_is_one_line(words: str, reason: str) -> None:
     with pytest.raises(ConfigurationError, match=reason):

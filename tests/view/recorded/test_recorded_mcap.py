@@ -15,6 +15,7 @@ from rosbase.messages import Imu, String
 from rosbase.wire import schema
 from rosbase_mcap.reading import read_summary
 from rosbase_view.recorded.mcap_file import McapFile
+from rosbase_view.sources import open_source
 from support.command import ROSBASE, run_rosbase
 from support.foxglove_client import FoxgloveClient
 from support.foxglove_served import served
@@ -122,6 +123,17 @@ def test_a_file_that_was_cut_off_is_mended(tmp_path: Path, kind: str) -> None:
         assert 300 < len(read) < COUNT
         assert read == list(range(len(read)))
     assert path.stat().st_size == len(data) // 2
+
+
+def test_mending_is_told_because_it_may_take_long(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write(tmp_path / "cut.mcap", **KINDS["lz4"])
+    open_source(str(path)).close()
+    assert capsys.readouterr().err == ""
+    path.write_bytes(path.read_bytes()[:-100])
+    open_source(str(path)).close()
+    assert capsys.readouterr().err == f"rosbase view: {path} was cut off; a copy is mended ...\n"
 
 
 def test_what_is_no_recording_is_one_line(tmp_path: Path) -> None:

@@ -5,9 +5,19 @@ from collections.abc import Callable
 
 from attrs import frozen
 
-__all__ = ["FOXGLOVE_PORT", "LOOPBACK", "WEB_PORT", "Options", "add_arguments", "options_of"]
+__all__ = [
+    "FOXGLOVE_PORT",
+    "LOOPBACK",
+    "RECORDING",
+    "WEB_PORT",
+    "Options",
+    "add_arguments",
+    "options_of",
+]
 
 LOOPBACK = "127.0.0.1"
+RECORDING = ".mcap"
+"""End of the name of a recording."""
 WEB_PORT = 8080
 FOXGLOVE_PORT = 8765
 
@@ -73,8 +83,8 @@ def options_of(arguments: argparse.Namespace, on_mistake: Callable[[str], object
         return Options("terminal", arguments.name, arguments.host, 0)
     name: str | None = arguments.name
     if given and not given.isdecimal():
-        # `--web quadruped`: a name is no port.
-        if name is not None:
+        # `--web quadruped`: a name is no port. But it begins with a letter, as in ROS.
+        if name is not None or (given[0] in "+-0123456789" and not given.endswith(RECORDING)):
             on_mistake(f"{given!r} is no port")
         given, name = "", given
     port = int(given) if given else default

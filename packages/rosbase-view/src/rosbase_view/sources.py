@@ -1,15 +1,15 @@
 """Find the source for what the user named."""
 
+import sys
 from pathlib import Path
 
 from rosbase import ConfigurationError
 from rosbase.plugins.our_packages import how_to_install
 from rosbase_view.attached.source import AttachedSource
+from rosbase_view.options import RECORDING
 from rosbase_view.source import Source
 
 __all__ = ["open_source"]
-
-_SUFFIX = ".mcap"
 
 
 def open_source(name: str | None) -> Source:
@@ -22,7 +22,7 @@ def open_source(name: str | None) -> Source:
         ControlError: No program has that name, or several have.
         ConfigurationError: The recording cannot be read.
     """
-    if name is not None and name.endswith(_SUFFIX):
+    if name is not None and name.endswith(RECORDING):
         return _open_recording(Path(name))
     source = AttachedSource(name)
     source.check()
@@ -39,4 +39,10 @@ def _open_recording(path: Path) -> Source:
         raise ConfigurationError(text) from None
     from rosbase_view.recorded.source import RecordedSource  # noqa: PLC0415 - as above
 
-    return RecordedSource(McapFile(path))
+    def say_mending() -> None:
+        # It takes a minute for some gigabytes.
+        print(
+            f"rosbase view: {path} was cut off; a copy is mended ...", file=sys.stderr, flush=True
+        )
+
+    return RecordedSource(McapFile(path, say_mending))

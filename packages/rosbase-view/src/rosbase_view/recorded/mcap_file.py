@@ -1,7 +1,7 @@
 """A recording in an MCAP file, as rosbase-mcap reads it. Imported only for a recording."""
 
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -26,8 +26,12 @@ class McapFile:
     A file that was cut off is mended in a temporary one.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, on_mend: Callable[[], object] = lambda: None) -> None:
         """Open the file.
+
+        Args:
+            path: The file.
+            on_mend: Called before a file that was cut off is mended, which takes long if it is big.
 
         Raises:
             ConfigurationError: It cannot be read, or has no messages that can be shown.
@@ -40,6 +44,7 @@ class McapFile:
         try:
             summary = read_summary(self._stream)
             if summary is None:
+                on_mend()
                 summary = self._mend()
         except BaseException:
             self._stream.close()
