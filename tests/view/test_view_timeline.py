@@ -142,7 +142,10 @@ def test_a_recording_is_played_paused_and_sought_with_keys() -> None:
         await pilot.press("plus")
         await until(pilot, lambda lines: "  x2  " in lines[-1])
         await pilot.press("4")
-        await until(pilot, lambda lines: "  not in a recording" in lines)
+        await until(pilot, lambda lines: "  no record of /rosout yet" in lines)
+        await pilot.press("2")
+        await until(pilot, lambda lines: "  nodes: not shown for a recording" in lines)
+        assert "lifecycle" not in plain(app.view.draw_status(80, 0)[0])
         return None
 
     async def run() -> None:

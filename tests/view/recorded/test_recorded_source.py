@@ -7,6 +7,7 @@ import pytest
 from rosbase import ControlError
 from rosbase.messages import String
 from rosbase.wire import deserialize
+from rosbase_view.known import Known
 from rosbase_view.recorded.source import RecordedSource
 from rosbase_view.reports import Counted, Heard, Position, Report, Survey, TopicKey
 from rosbase_view.source import ChangeState, Gaze, Pace, Source
@@ -151,6 +152,59 @@ def test_a_jump_reports_what_was_known_then_and_goes_on_from_there(taking: Takin
     taking.source.play()
     taking.until(lambda: taking.is_over and taking.numbers[-1:] == [COUNT - 1], "the end again")
     assert taking.numbers == list(range(289, COUNT))
+
+
+@pytest.mark.parametrize("target", [250, 10_050, 0])
+def test_after_a_jump_while_it_stands_rates_ages_and_log_are_those_of_then(target: int) -> None:
+    source = RecordedSource(MadeRecording(20_000, has_log=True))
+    known = Known()
+
+    def step() -> object:
+        known.take(source.take(), 0)
+        return jumped_ns == (known.position.now_ns if known.position else 0) and (
+            bool(known.log) or target == 0
+        )
+
+    try:
+        source.start()
+        jumped_ns = BEGIN_NS + 15_050 * STEP_NS
+        source.seek(jumped_ns)
+        wait_until(step, "the log")
+        jumped_ns = BEGIN_NS + target * STEP_NS
+        known.log.clear()
+        source.seek(jumped_ns)
+        wait_until(step, "the log of another time")
+        wait_until(lambda: step() and known.topics[IMU].total in (0, min(target, 500)), "counts")
+    finally:
+        source.close()
+    topic = known.topics[IMU]
+    assert topic.rate_hz(jumped_ns) == (pytest.approx(100.0) if target else None)
+    assert topic.age_ns(jumped_ns) == (STEP_NS if target else None)
+    # Published once, long before.
+    assert known.topics[MODEL].age_ns(jumped_ns) == (target * STEP_NS or None)
+    texts = [one["text"] for one in known.log]
+    first = max(0, target // 100 - 4 if target > 500 else 0)
+    assert texts == [f"record {number}" for number in range(first, -(-target // 100))]
+    if texts:
+        assert (known.log[0]["level"], known.log[0]["name"]) == (30, "imu")
+
+
+def test_the_log_is_reported_while_it_is_played() -> None:
+    source = RecordedSource(MadeRecording(COUNT, has_log=True))
+    known = Known()
+
+    def step() -> object:
+        known.take(source.take(), 0)
+        return len(known.log) == 3
+
+    try:
+        source.start()
+        source.set_rate(10.0)
+        source.play()
+        wait_until(step, "three records")
+    finally:
+        source.close()
+    assert [one["text"] for one in known.log] == ["record 0", "record 1", "record 2"]
 
 
 def test_nothing_of_the_time_before_is_reported_after_a_jump(taking: Taking) -> None:

@@ -68,6 +68,8 @@ class Known:
         for report in reports:
             if isinstance(report, Counted):
                 if (topic := self.topics.get(report.topic)) is not None:
+                    if report.is_first:
+                        topic.restart()
                     last_ns = time_ns - int(report.age_s * 1e9)
                     topic.count(report.count, report.seconds, last_ns, time_ns)
             elif isinstance(report, Survey):
@@ -75,6 +77,8 @@ class Known:
             elif isinstance(report, Heard):
                 self.heard[report.topic] = report
             elif isinstance(report, Logged):
+                if report.is_first:
+                    self.log.clear()
                 self.log.extend(report.records)
                 self.logged += len(report.records)
             elif isinstance(report, NodeReport):

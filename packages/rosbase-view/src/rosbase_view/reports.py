@@ -62,6 +62,8 @@ class Counted:
     seconds: float
     age_s: float = 0.0
     """Time from the last message to the report."""
+    is_first: bool = False
+    """Whether what was counted before is of another time, which was left."""
 
 
 @frozen
@@ -102,6 +104,8 @@ class Logged:
     """Records of the log, oldest first."""
 
     records: Sequence[LogRecord]
+    is_first: bool = False
+    """Whether the records before are of another time, which was left."""
 
 
 @frozen

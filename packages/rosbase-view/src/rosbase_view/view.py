@@ -171,7 +171,9 @@ class View:
             return [line(Span(clipped(said.text, width), ink))]
         parts: list[Span | str] = []
         playback = () if self.known.position is None else HINTS
-        for key, action in (*_KEYS, *self.page.hints, *playback):
+        # Without a row there is nothing that these keys could do.
+        own = self.page.hints if self.page.keys() else ()
+        for key, action in (*_KEYS, *own, *playback):
             parts += [Span(f" {key} ", Ink.TITLE), f"{action} "]
         return [line(*parts)]
 
@@ -179,7 +181,9 @@ class View:
         if not self.known.has_survey:
             return "looking for programs"
         if self.known.position is not None:
-            return "not in a recording"
+            if self.page.title == LogPage.title:
+                return "no record of /rosout yet"
+            return f"{self.page.title}: not shown for a recording"
         return f"no {self.page.title}" if self.known.processes else "no program runs"
 
 

@@ -66,6 +66,8 @@ class ParametersPage(BasePage):
     def detail(self, key: Hashable | None, pane: Pane, first: int) -> list[Line]:
         """Return the meaning of the parameter."""
         node = self._chosen_node()
+        if node is None and self.known.position is not None:
+            return []
         if node is None:
             return [line(Span("choose a node on page 2", Ink.DIM))]
         lines = [line(Span(clipped(f"parameters of {node[0]}", pane.width), Ink.TITLE))]

@@ -1,8 +1,12 @@
 """Messages that were played and not taken yet: bounded, however slow the view is."""
 
+from collections import deque
 from collections.abc import Iterable, Sequence
 
-from rosbase_view.reports import Counted, Heard, TopicKey
+from rosbase.control.shapes import LogRecord
+from rosbase_view.known import MOST_RECORDS
+from rosbase_view.recorded.past import Window
+from rosbase_view.reports import Counted, Heard, Logged, Report, TopicKey
 from rosbase_view.source import Gaze, Pace
 
 __all__ = ["Outbox"]
@@ -26,6 +30,9 @@ class Outbox:
         self._bytes = 0
         self._counts = dict.fromkeys(topics, 0)
         self._last_ns = dict.fromkeys(self._counts, 0)
+        self._past: Sequence[tuple[TopicKey, Window]] = ()
+        self._records: deque[LogRecord] = deque(maxlen=MOST_RECORDS)
+        self._is_first = False
 
     @property
     def is_full(self) -> bool:
@@ -50,6 +57,36 @@ class Outbox:
     def clear(self) -> None:
         """Forget the messages: they are of a time that is left."""
         self._keep(())
+        self._counts = dict.fromkeys(self._counts, 0)
+        self._past = ()
+        self._records.clear()
+
+    def begin(self, past: Sequence[tuple[TopicKey, Window]]) -> None:
+        """Take what was before the time from which it is played on."""
+        self._past, self._is_first = past, True
+
+    def add_record(self, record: LogRecord) -> None:
+        """Take a record of the log."""
+        self._records.append(record)
+
+    def take_past(self, now_ns: int) -> Sequence[Report]:
+        """Return what was before, and the log.
+
+        Args:
+            now_ns: Where the recording is.
+        """
+        known: set[TopicKey] = set()
+        found: list[Report] = []
+        for topic, one in self._past:
+            age_s = max(0, now_ns - one.last_ns) / 1e9
+            is_first = topic not in known
+            found.append(Counted(topic, one.count, one.seconds, age_s, is_first=is_first))
+            known.add(topic)
+        if self._records or self._is_first:
+            found.append(Logged(list(self._records), is_first=self._is_first))
+        self._past, self._is_first = (), False
+        self._records.clear()
+        return found
 
     def take_heard(self) -> Sequence[Heard]:
         """Return the messages."""

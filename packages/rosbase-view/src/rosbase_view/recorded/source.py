@@ -1,15 +1,17 @@
 """The source of a recording."""
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from rosbase import Clock, ControlError, SystemClock, background_thread
 from rosbase.control.shapes import Topic
 from rosbase_view.recorded.outbox import Outbox
+from rosbase_view.recorded.past import read_past
 from rosbase_view.recorded.playhead import Playhead
 from rosbase_view.recorded.recording import RecordedMessage, RecordedTopic, Recording
+from rosbase_view.recorded.rosout import LOG, record_of
 from rosbase_view.reports import Heard, Position, Report, Survey, TopicKey
-from rosbase_view.source import Change, Gaze
+from rosbase_view.source import Change, Gaze, Pace
 
 __all__ = ["RecordedSource"]
 
@@ -47,6 +49,7 @@ class RecordedSource:
         # Where to read from; None while the file is read from there.
         self._target_ns: int | None = recording.begin_ns
         self._fresh: frozenset[TopicKey] = frozenset()
+        self._has_jumped = False
         self._counted_ns = (0, recording.begin_ns)
         self._on_news: Callable[[], object] = lambda: None
         self._is_closed = False
@@ -81,6 +84,7 @@ class RecordedSource:
             now_ns = self._clock.monotonic_ns()
             found: list[Report] = [] if self._is_surveyed else [self._survey()]
             self._is_surveyed = True
+            found += self._outbox.take_past(self._head.at(now_ns))
             found += self._counts(now_ns)
             if self._outbox.is_full:
                 self._changed.notify_all()
@@ -156,6 +160,7 @@ class RecordedSource:
         self._head.seek(to_ns, now_ns)
         self._outbox.clear()
         self._target_ns = self._head.at(now_ns)
+        self._has_jumped = True
         self._counted_ns = now_ns, self._target_ns
 
     def _survey(self) -> Survey:
@@ -192,6 +197,9 @@ class RecordedSource:
                     return
                 target_ns, self._target_ns = self._target_ns, None
                 fresh, self._fresh = self._fresh, frozenset()
+                has_jumped, self._has_jumped = self._has_jumped, False
+                # Who wants each message needs no rates.
+                needs_past = has_jumped and self._outbox.gaze.pace is Pace.NEWEST
                 if target_ns is not None:
                     fresh = self._outbox.gaze.topics
             if target_ns is not None:
@@ -201,16 +209,45 @@ class RecordedSource:
                 target_ns = following.stamp_ns
             else:
                 target_ns = self._recording.end_ns + 1
-            if fresh:
-                self._show_latest(target_ns, fresh)
+            if fresh or needs_past:
+                latest = self._recording.latest(target_ns)
+                self._show_latest(latest, fresh)
+                if needs_past:
+                    self._show_past(target_ns, latest)
             batch, following = self._read(messages, following)
             if self._deliver(batch, following):
                 self._on_news()
             self._wait(following)
 
-    def _show_latest(self, before_ns: int, topics: frozenset[TopicKey]) -> None:
+    def _show_past(self, to_ns: int, latest: Sequence[RecordedMessage]) -> None:
+        """Report the rates, the ages and the log of the time before a jump's end."""
+
+        def is_left() -> bool:
+            return self._is_closed or self._target_ns is not None
+
+        past = read_past(self._recording, to_ns, latest, self._is_log, is_left)
+        if past is None:
+            return
+        heard = [one for message in past.log if (one := self._heard(message)) is not None]
+        with self._changed:
+            if self._target_ns is not None:
+                return
+            self._outbox.begin([((one.topic, _NO_PID), one) for one in past.windows])
+            self._log(heard)
+        self._on_news()
+
+    def _is_log(self, topic: str) -> bool:
+        found = self._topics.get((topic, _NO_PID))
+        return found is not None and found.type == LOG
+
+    def _log(self, heard: Iterable[Heard]) -> None:
+        """Report those messages that are records of the log. With the lock."""
+        for one in heard:
+            if one.type == LOG and (record := record_of(one)) is not None:
+                self._outbox.add_record(record)
+
+    def _show_latest(self, latest: Sequence[RecordedMessage], topics: frozenset[TopicKey]) -> None:
         """Report what was known before a time of topics that are looked at only now."""
-        latest = self._recording.latest(before_ns)
         with self._changed:
             if self._target_ns is not None:
                 return
@@ -246,6 +283,8 @@ class RecordedSource:
                 return True
             for heard in batch:
                 self._outbox.add(heard)
+            if self._outbox.gaze.pace is Pace.NEWEST:
+                self._log(batch)
             was_playing = self._head.is_playing
             self._settle(following)
             return was_playing or bool(batch)
