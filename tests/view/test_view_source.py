@@ -10,6 +10,8 @@ from rosbase.messages import Point
 from rosbase.wire import schema, serialize
 from rosbase_view.attached.choosing import chosen
 from rosbase_view.attached.inbox import Inbox
+from rosbase_view.attached.refusals import Refusals
+from rosbase_view.attached.source import AttachedSource
 from rosbase_view.attached.wanted import Tag, wanted
 from rosbase_view.known import MOST_RECORDS
 from rosbase_view.reports import Counted, Heard, Logged, Said, TopicKey
@@ -186,3 +188,28 @@ def test_a_survey_comes_before_the_counts_of_its_topics() -> None:
     inbox.put(Said("first"))
     inbox.put(Said("second"))
     assert inbox.take() == [survey(), Counted(IMU_TOPIC, 1, 0.1, 0.02), Said("second")]
+
+
+def test_a_stream_that_is_refused_is_named_with_the_reason_while_it_is_wanted() -> None:
+    counts, log = Tag("counts", ("0", PID), PID), Tag("log", ("", 0), PID)
+    refusals = Refusals()
+    assert refusals.line([made_process()]) == ""
+    refusals.add(counts, "64 streams are open")
+    refusals.add(counts._replace(topic=("1", PID)), "64 streams are open")
+    assert refusals.line([made_process()]) == "no rates of quadruped [4711]: 64 streams are open"
+    refusals.add(log, "no")
+    refusals.keep([log])
+    assert refusals.line([made_process()]) == "no log of quadruped [4711]: no"
+    refusals.forget(log)
+    assert refusals.line([made_process()]) == ""
+
+
+def test_refused_rates_are_told_by_the_source() -> None:
+    source = AttachedSource()
+    source._refused(Tag("counts", ("0", PID), PID), "64 streams are open")
+    assert "64 streams are open" in source._with_refusals(survey()).trouble
+    source._take(
+        Tag("counts", ("0", PID), PID), {"topics": {}}, {"seconds": 0.1, "topics": {}}, b""
+    )
+    assert source._with_refusals(survey()).trouble == ""
+    source.close()

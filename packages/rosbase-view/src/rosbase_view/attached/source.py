@@ -4,10 +4,13 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from attrs import evolve
+
 from rosbase import Clock, ControlError, SystemClock, background_thread
 from rosbase.control.gathering import ask_one
 from rosbase_view.attached.asking import NodeAsker, make_change
 from rosbase_view.attached.inbox import Inbox
+from rosbase_view.attached.refusals import Refusals
 from rosbase_view.attached.streams import Streams
 from rosbase_view.attached.surveying import Surveyor
 from rosbase_view.attached.wanted import Tag, wanted
@@ -41,6 +44,7 @@ class AttachedSource:
         self._clock = clock or SystemClock()
         self._inbox = Inbox()
         self._streams = Streams(self._take, self._refused, self._fail)
+        self._refusals = Refusals()
         self._nodes = NodeAsker()
         self._found = Survey((), {}, (), ())
         self._gaze = Gaze()
@@ -133,9 +137,11 @@ class AttachedSource:
             if now_ns >= due_ns:
                 self._found = self._survey()
                 due_ns = now_ns + _EVERY_NS
-                self._inbox.put(self._found)
+                self._inbox.put(self._with_refusals(self._found))
             gaze = self._gaze
-            self._streams.want(wanted(self._found, gaze))
+            streams = wanted(self._found, gaze)
+            self._refusals.keep(streams)
+            self._streams.want(streams)
             self._ask_nodes(self._found, gaze)
             self._poke.wait(max(0.0, (due_ns - self._clock.monotonic_ns()) / 1e9))
             self._poke.clear()
@@ -146,6 +152,11 @@ class AttachedSource:
         except ControlError as error:
             # The view goes on, because the program may be started again.
             return Survey((), {}, (), (), trouble=str(error))
+
+    def _with_refusals(self, found: Survey) -> Survey:
+        """Return the survey with the reasons why something of it is not shown."""
+        refused = self._refusals.line(found.processes)
+        return evolve(found, trouble="; ".join(filter(None, (found.trouble, refused))))
 
     def _ask_nodes(self, found: Survey, gaze: Gaze) -> None:
         for node in found.nodes:
@@ -162,6 +173,7 @@ class AttachedSource:
         self, tag: Tag, answer: Mapping[str, Any], event: Mapping[str, Any], data: bytes
     ) -> None:
         """Take an event, on the thread that reads the streams."""
+        self._refusals.forget(tag)
         if tag.pid in self._found.silent:
             self._surveyor.ask_again(tag.pid)
         self._inbox.put_event(tag, answer, event, data)
@@ -170,3 +182,5 @@ class AttachedSource:
         # A topic without a ROS type cannot be shown, which matters only if it is looked at.
         if tag.kind == "echo":
             self._inbox.put(Said(reason, is_error=True))
+        else:
+            self._refusals.add(tag, reason)
