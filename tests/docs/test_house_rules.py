@@ -33,7 +33,7 @@ MOST_MODULES = {
     "imu-serial": 13,
     "rosbase-mcap": 60,
     "rosbase-ros2": 48,
-    "rosbase-view": 84,
+    "rosbase-view": 85,
 }
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]
 
