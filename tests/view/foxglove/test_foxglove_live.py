@@ -1,6 +1,7 @@
 """`rosbase view --foxglove` of programs that run, with a client that knows the protocol only."""
 
 import math
+import os
 import signal
 import socket
 import struct
@@ -209,6 +210,27 @@ def test_a_program_goes_and_comes_back_and_its_clients_stay(robots: Robots) -> N
             "rosbase view: no program app; there is no program at all",
             "rosbase view: program app is back",
         ]
+
+
+def test_a_program_that_does_not_answer_keeps_all_that_it_offers(robots: Robots) -> None:
+    pid = pid_of(robots.start(APP))
+    with served("app") as (view, port), FoxgloveClient(port) as client:
+        client.channel("/position")
+        client.call("/enable", bytes(serialize(SetBool.Request(True))))
+        wait_until(lambda: "/app.robot.speed" in client.get_parameters(), "the parameters")
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            view.waits_for(f"no answer from app [{pid}]")
+            # It asks the program, and has no answer after a second.
+            client.get_parameters()
+            looks = len(client.times)
+            client.until(lambda: len(client.times) > looks + 60, "three more looks")
+            assert "/position" in client.topics
+            assert "/enable" in [one["name"] for one in client.services.values()]
+            assert "/app.robot.speed" in client.get_parameters()
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        view.waits_for("all programs answer again")
 
 
 def test_all_programs_are_served_and_the_end_of_each_is_told(robots: Robots) -> None:

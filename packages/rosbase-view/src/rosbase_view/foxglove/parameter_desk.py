@@ -1,7 +1,7 @@
 """Parameters of the programs' nodes, for clients that read and write them."""
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -128,7 +128,11 @@ class ParameterDesk:
         for pid in {pid for _, pid in nodes.values()}:
             own = {name: key for name, key in nodes.items() if key[1] == pid}
             asks = [("parameter.get", {"node": node}) for node, _ in own.values()]
-            for reply in gather(asks, _ANSWER_S, [pid], None, self._silent_until):
+            replies = gather(asks, _ANSWER_S, [pid], None, self._silent_until)
+            if not replies:
+                # It does not answer; if it has ended, the next survey takes its nodes away.
+                values |= self._values_of(own)
+            for reply in replies:
                 for node, answer in zip(own, reply.answers, strict=True):
                     if isinstance(answer, ControlError):
                         # It has gone since the survey.
@@ -143,6 +147,10 @@ class ParameterDesk:
                 if before.get(name) != values[name]
             ]
         self._server.send_parameters(self._parameters(changed) if changed else [])
+
+    def _values_of(self, nodes: Collection[str]) -> dict[str, "_Value"]:
+        """Return the values that the nodes had at last."""
+        return {name: one for name, one in self._values.items() if name.partition(".")[0] in nodes}
 
     def _write(self, parameters: Sequence[Parameter]) -> None:
         for parameter in parameters:

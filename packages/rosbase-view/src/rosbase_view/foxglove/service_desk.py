@@ -38,13 +38,14 @@ class ServiceDesk:
         """Begin without services."""
         self._server = server
         self._names: NameTable[_Key] = NameTable()
+        self._found: dict[_Key, list[str]] = {}
         self._offered: dict[str, _Key] = {}
         self._silent_until: dict[str, TimeLimit] = {}
         self._faulty: set[_Key] = set()
 
     def update(self, survey: Survey) -> dict[str, list[str]]:
         """Offer what runs; return the nodes of each service, by the name that clients see."""
-        found = self._ask(survey)
+        found = self._found = self._ask(survey)
         programs = programs_of(survey)
         names = self._names.update(
             {key: candidates(key.name, programs[key.pid], key.pid) for key in found}
@@ -61,12 +62,19 @@ class ServiceDesk:
 
     def _ask(self, survey: Survey) -> dict[_Key, list[str]]:
         """Return the nodes of each service that runs."""
-        pids = [process["pid"] for process in survey.processes]
-        if not pids:
-            return {}
-        return {
+        pids = {process["pid"] for process in survey.processes}
+        asked = pids - survey.silent
+        replies = (
+            gather([("service.list", {})], _ANSWER_S, asked, None, self._silent_until)
+            if asked
+            else []
+        )
+        silent = pids - {reply.pid for reply in replies}
+        # Those of a program that does not answer stay as long as it is there.
+        kept = {key: nodes for key, nodes in self._found.items() if key.pid in silent}
+        return kept | {
             _Key(service["name"], service["type"], reply.pid): service["servers"]
-            for reply in gather([("service.list", {})], _ANSWER_S, pids, None, self._silent_until)
+            for reply in replies
             if not isinstance(reply.answers[0], ControlError)
             for service in reply.answers[0]["services"]
             if service["servers"] and not is_hidden(service["name"])
