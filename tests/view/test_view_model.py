@@ -392,3 +392,11 @@ def test_messages_that_nobody_looks_at_are_forgotten() -> None:
     assert list(known.heard) == [IMU_TOPIC]
     known.forget_unseen(Gaze(nodes=frozenset({ARM})))
     assert not known.heard
+
+
+def test_a_record_of_a_recording_is_shown_without_a_pid() -> None:
+    found: list[object] = [
+        {"pid": 0, "stamp_ns": 0, "level": 20, "name": "robot", "text": "it walks"}
+    ]
+    view = view_of([survey(), Logged(found)], page=LOG)  # type: ignore[arg-type]  # as above
+    assert shown(view.draw_detail(SMALL, is_beside=False))[1] == "INFO of robot"

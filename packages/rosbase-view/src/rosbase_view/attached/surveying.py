@@ -55,7 +55,10 @@ class Surveyor:
         kept = {path: self._last[path] for path in silent if path in self._last}
         strange = [pid for path, pid in silent.items() if path not in kept]
         self._last = answered | kept
-        answers = {reply.pid: reply.answers for reply in self._last.values()}
+        answers = {
+            reply.pid: reply.answers
+            for reply in sorted(self._last.values(), key=lambda reply: reply.pid)
+        }
         all_processes = [found[0] for found in answers.values() if _is_answer(found[0])]
         try:
             processes = chosen(all_processes, self._name)

@@ -50,7 +50,9 @@ class LogPage(BasePage):
         if key is None:
             return []
         record = self._record(key)
-        title = f"{_level(record)[0]} of {record['name']} [{record['pid']}]"
+        # A recording does not tell the process.
+        place = f" [{record['pid']}]" if record["pid"] else ""
+        title = f"{_level(record)[0]} of {record['name']}{place}"
         parts = [
             part
             for paragraph in record["text"].splitlines()
