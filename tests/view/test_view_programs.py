@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rosbase import SystemClock
+from rosbase import ControlError, SystemClock
 from rosbase.control import connect
 from rosbase_view.attached.source import AttachedSource
 from rosbase_view.attached.surveying import Surveyor
@@ -148,6 +148,22 @@ def test_a_view_of_one_program_does_not_speak_of_others(robots: Robots) -> None:
         os.kill(other, signal.SIGCONT)
     assert (found.silent, found.trouble) == (frozenset(), "")
     assert len(found.processes) == 1
+
+
+def test_a_view_of_one_program_waits_for_it_and_stays_with_it(robots: Robots) -> None:
+    first = robots.start(APP)
+    pid = pid_of(first)
+    surveyor = Surveyor("app")
+    assert [one["pid"] for one in surveyor.survey().processes] == [pid]
+    again = pid_of(robots.start(APP))
+    assert [one["pid"] for one in surveyor.survey().processes] == [pid]
+    robots.start(LISTENER)
+    first.stop(signal.SIGINT)
+    assert [one["pid"] for one in surveyor.survey().processes] == [again]
+    os.kill(again, signal.SIGINT)
+    wait_until(lambda: len(connect().processes()) == 1, "the end")
+    with pytest.raises(ControlError, match=r"^program app has ended; waiting until it runs again$"):
+        surveyor.survey()
 
 
 def test_a_view_that_is_closed_leaves_no_stream_in_the_program(robots: Robots) -> None:

@@ -199,7 +199,7 @@ def test_a_program_goes_and_comes_back_and_its_clients_stay(robots: Robots) -> N
         client.until(lambda: client.messages, "messages")
         client.channel("/goal")
         first.stop(signal.SIGINT)
-        view.waits_for("no program app")
+        view.waits_for("program app has ended")
         client.until(lambda: client.topics == ["/position"], "channels without listeners to go")
         count = len(client.messages)
         robots.start(APP)
@@ -207,7 +207,7 @@ def test_a_program_goes_and_comes_back_and_its_clients_stay(robots: Robots) -> N
         client.until(lambda: len(client.messages) > count + 20, "messages again")
         client.channel("/goal")
         assert view.err.lines == [
-            "rosbase view: no program app; there is no program at all",
+            "rosbase view: program app has ended; waiting until it runs again",
             "rosbase view: program app is back",
         ]
 

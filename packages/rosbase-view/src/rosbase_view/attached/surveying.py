@@ -38,6 +38,8 @@ class Surveyor:
             name: A program or its pid; None for all.
         """
         self._name = name
+        # Of the program with the name, when it was seen last.
+        self._pid: int | None = None
         # By socket: two processes may have one pid, each in a namespace of its own.
         self._last: dict[str, Replies] = {}
         # Such programs are left out for five seconds.
@@ -60,14 +62,7 @@ class Surveyor:
             for reply in sorted(self._last.values(), key=lambda reply: reply.pid)
         }
         all_processes = [found[0] for found in answers.values() if _is_answer(found[0])]
-        try:
-            processes = chosen(all_processes, self._name)
-        except ControlError as error:
-            if not strange or error.kind != "unknown":
-                raise
-            # It may be one of those whose names are not known.
-            text = f"{error} ({_trouble([], strange)})"
-            raise ControlError(text, error.kind, error.suggestions) from None
+        processes = self._chosen(all_processes, strange)
         own = {process["pid"]: answers[process["pid"]] for process in processes}
         loops: list[Any] = [{**one, "pid": pid} for pid, one in _each(own, 3, "programs")]
         mute = frozenset(reply.pid for reply in kept.values()) & own.keys()
@@ -77,6 +72,35 @@ class Surveyor:
             strange if self._name is None else [],
         )
         return Survey(processes, _topics(own, processes), _nodes(own), loops, mute, trouble)
+
+    def _chosen(self, processes: Sequence[Process], strange: Sequence[int]) -> Sequence[Process]:
+        """Return the processes that are looked at.
+
+        Args:
+            processes: All whose names are known.
+            strange: Pids of others.
+
+        Raises:
+            ControlError: No program has the name, or several have from the first time on.
+        """
+        try:
+            found = chosen(processes, self._name)
+        except ControlError as error:
+            if error.kind == "ambiguous" and self._pid in [one["pid"] for one in processes]:
+                # Another one of that name has come.
+                return chosen(processes, str(self._pid))
+            if error.kind == "unknown" and self._pid is not None:
+                # The user has named no other program, and the name is right.
+                text = f"program {self._name} has ended; waiting until it runs again"
+                raise ControlError(text, error.kind) from None
+            if error.kind == "unknown" and strange:
+                # It may be one of those whose names are not known.
+                text = f"{error} ({_trouble([], strange)})"
+                raise ControlError(text, error.kind, error.suggestions) from None
+            raise
+        if self._name is not None:
+            self._pid = found[0]["pid"]
+        return found
 
     def ask_again(self, pid: int) -> None:
         """Leave a program out no longer, because it has sent something. Any thread may tell."""
