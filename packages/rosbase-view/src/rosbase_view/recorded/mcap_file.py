@@ -9,7 +9,7 @@ from rosbase import ConfigurationError
 from rosbase_mcap.compression import unpacked
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.reading import Selection, messages, read_summary
-from rosbase_mcap.records import PREFIX, Chunk, ChunkIndex, Kind, Message
+from rosbase_mcap.records import MAGIC, PREFIX, Chunk, ChunkIndex, Kind, Message
 from rosbase_mcap.recovery import mend
 from rosbase_mcap.scanning import records_in
 from rosbase_mcap.summary import Summary
@@ -44,7 +44,9 @@ class McapFile:
         try:
             summary = read_summary(self._stream)
             if summary is None:
-                on_mend()
+                self._stream.seek(0)
+                if self._stream.read(len(MAGIC)) == MAGIC:
+                    on_mend()
                 summary = self._mend()
         except BaseException:
             self._stream.close()
