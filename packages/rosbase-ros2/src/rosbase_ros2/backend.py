@@ -14,6 +14,7 @@ from rosbase import (
     check_node_name,
     installed_plugins,
 )
+from rosbase.entries.conductor import conductor_of
 from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import await_delivery
@@ -52,7 +53,9 @@ class Ros2Backend(RosNode, Backend):
             BackendError: ROS refuses the arguments or the name, or cannot start on this machine.
             ParameterError: An override of a quality of service is invalid.
         """
-        Backend.__init__(self, SystemClock(), options.node_name)
+        is_recorded = conductor_of(options.clock) is not None
+        clock = options.clock if is_recorded else SystemClock()
+        Backend.__init__(self, clock, options.node_name)
         context = rclpy.Context()
         warning, words = prepare_machine(), ros_arguments(sys.argv)
         arguments = RosArguments(words)
@@ -65,6 +68,7 @@ class Ros2Backend(RosNode, Backend):
             arguments,
             Conversions(_ask_plugins),
             self.new_ends,
+            self.conductor,
         )
         process.find_log_file()
         self._others: list[RosNode] = []
@@ -83,7 +87,7 @@ class Ros2Backend(RosNode, Backend):
             self._logger.warning(warning)
         if words or options.parameter_overrides:
             # When the constructors have built their nodes and declared their parameters.
-            self.call_soon(self._name_strange)
+            self.executor.call_aside(self._name_strange)
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open a node of its own for a lifecycle node; others share this one."""
@@ -131,7 +135,7 @@ class Ros2Backend(RosNode, Backend):
             last.callback(_destroy, nodes)
             publishers = [publisher for node in nodes for publisher in node.stop_sending()]
             if process.context.ok():
-                await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
+                await_delivery(publishers, _LAST_MESSAGES_S, SystemClock())
             process.taps.close()
             for node in nodes:
                 node.stop_receiving()

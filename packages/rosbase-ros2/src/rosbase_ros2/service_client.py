@@ -87,7 +87,9 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return not self.is_closed and (self._find_own() is not None or self._is_there())
+        if self._entrance is not None:
+            return self._entrance.ask(self._is_ready)
+        return self._is_ready()
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
@@ -126,6 +128,9 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         self._was_there = is_there
         return True
 
+    def _is_ready(self) -> bool:
+        return not self.is_closed and (self._find_own() is not None or self._is_there())
+
     def _is_there(self) -> bool:
         try:
             return bool(self.inner.service_is_ready())
@@ -147,6 +152,12 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         service = self._find_own()
         if service is None:
             return False
+        entrance = self._entrance
+        if entrance is not None and not entrance.conductor.is_inside:
+            # A replay does not know that the service was there only now.
+            entrance.conductor.spoil(
+                f"{self.service_name}: a call has waited for the program itself"
+            )
 
         def arrive(response: Any) -> None:
             self._arrive(call, self._isolate(response))

@@ -57,10 +57,12 @@ def _open(name: str | None, options: BackendOptions) -> Backend:
     options = evolve(options, is_child=is_child(), clock=conducted(options.clock))
     conductor = conductor_of(options.clock)
     if conductor is not None and conductor.is_of_middleware:
-        # A replay needs no middleware.
         from rosbase.local.replayed.backend import ReplayedBackend
 
         return ReplayedBackend(options)
+    if conductor is not None and conductor.is_replay:
+        # Messages that are replayed need no middleware either.
+        name = DEFAULT_BACKEND
     return installed_plugins().backend(backend_name(name)).create(options)
 
 

@@ -135,7 +135,9 @@ class ReplayedNode(NodeConnection):
         program.check_open()
         check_service_type(srv_type, srv_name)
         name = self._resolve(srv_name, "service")
-        client = ReplayedClient(srv_type, name, program.executor, partial(program.services.get, name))
+        client = ReplayedClient(
+            srv_type, name, program.executor, partial(program.services.get, name)
+        )
         program.clients.append(client)
         return client
 
