@@ -70,7 +70,7 @@ class RecordedPublisher(RosPublisher):
         except RCLError as error:
             self._judged(self._refusals.judge(self.topic, error))
 
-    def _judged(self, is_sent: bool) -> bool:  # noqa: FBT001 - the result of a call
+    def _judged(self, is_sent: bool) -> bool:
         if not is_sent:
             self._conductor.spoil(f"{self.topic}: ROS did not take a message")
         return is_sent

@@ -38,7 +38,7 @@ class SimTimeWatch:
         self._timer: Any = None
         self._jumps = clock.clock.create_jump_callback(_CHANGES, post_callback=self._on_change)
         if clock.is_simulated:
-            executor.call_aside(self._begin)
+            self._begin()
 
     def close(self) -> None:
         """Stop watching."""
