@@ -71,10 +71,13 @@ class Mast(LifecycleNode):
 
 
 class Ship(BaseManager):
+    ticks = 0
+
     def main_loop(self):
-        if self.timestamp == 5:
+        self.ticks += 1
+        if self.ticks == 5:
             self.node(Sailor).declare_parameter("late", "yes")
-        if self.timestamp % 50 == 0:
+        if self.ticks % 50 == 0:
             self.logger.info(f"{self.backend.timer_now_ns() > 0} {self.node(Sailor).beats}")
 
 
@@ -170,7 +173,7 @@ def test_a_program_that_others_operate_is_replayed_without_ros(
         assert outside.drive("/mast", "configure")
         assert outside.set("/ship", "sailor.gain", 2.5)
         assert not outside.set("/ship", "sailor.marks", 2.5)
-        wait_until(lambda: wind.get_subscription_count() == 1, TIMEOUT_S)
+        wait_until(lambda: wind.get_subscription_count() == 1, "discovery", TIMEOUT_S)
         for number in range(20):
             wind.publish(RosVector3(x=float(number)))
         assert outside.drive("/mast", "activate")
