@@ -115,6 +115,9 @@ class Outside:
         request.transition.label = label
         return bool(self.ask(ChangeState, f"{node}/change_state", request).success)
 
+    def spin_once(self, timeout_s: float = 0.1) -> None:
+        self._executor.spin_once(timeout_s)
+
     def anchor(self, *, drop: bool) -> str:
         return str(self.ask(SetBool, "/anchor", SetBool.Request(data=drop)).message)
 
@@ -130,13 +133,13 @@ def outside(context: Any) -> Iterator[Outside]:
 
 
 @contextmanager
-def recorded(folder: Path, *words: str, program: str = PROGRAM) -> Iterator[None]:
+def recorded(folder: Path, *words: str, program: str = PROGRAM) -> Iterator[Any]:
     """Records a program in a process of its own, until it ends by itself."""
     (folder / "app.py").write_text(program)
     command = [sys.executable, "-m", "rosbase", "run", "--record", "run.mcap", "--backend", "ros2"]
     process = subprocess.Popen([*command, "app.py", *words], cwd=folder, stderr=subprocess.PIPE)
     try:
-        yield
+        yield process
         _, said = process.communicate(timeout=TIMEOUT_S)
         print(said.decode())
         assert process.returncode == 0, said.decode()
@@ -182,3 +185,153 @@ def test_a_program_that_others_operate_is_replayed_without_ros(
     done = replayed(tmp_path, "--check")
     assert done.returncode == 0
     assert "no difference" in done.stderr
+
+
+THREADS = """
+import sys, threading
+from rosbase import BaseManager, BaseNode
+from rosbase.messages import Vector3
+from rosbase.messages.std_srvs import SetBool
+
+class Caller(BaseNode):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.client = self.create_client(SetBool, "permit")
+        self.own = self.create_client(SetBool, "self")
+        self.create_service(SetBool, "self", lambda request: SetBool.Response(request.data, "own"))
+        self.point = self.create_publisher(Vector3, "point", 10)
+        self.create_subscription(Vector3, "wind", self.hear, 2)
+        self.create_timer(0.02, self.beat)
+        self.beats = 0
+        thread = threading.Thread(target=self.publish_all)
+        thread.start()
+
+    def publish_all(self):
+        for number in range(50):
+            self.point.publish(Vector3(float(number)))
+
+    def hear(self, wind):
+        self.logger.info(f"wind {wind.x} of {self.point.subscription_count}")
+
+    def beat(self):
+        self.beats += 1
+        if self.beats == 3 and self.client.wait_for_service(20.0):
+            answer = self.client.call(SetBool.Request(True), 20.0)
+            self.logger.info(f"first: {answer.message}")
+            self.logger.info(f"own: {self.own.call(SetBool.Request(False), 5.0).message}")
+            self.client.call_async(SetBool.Request(False), 20.0).add_done_callback(self.done)
+
+    def done(self, future):
+        self.logger.info(f"second: {future.result().message}")
+        self.manager.request_stop()
+
+
+class Robot(BaseManager):
+    pass
+
+if __name__ == "__main__":
+    Robot("robot", {"caller": Caller}, node_freq_hz=100).start_main_loop_timer()
+"""
+
+
+def test_answers_of_others_and_messages_of_own_threads_are_replayed(
+    tmp_path: Path, outside: Outside
+) -> None:
+    def permit(request: Any, response: Any) -> Any:
+        response.message = f"said {request.data}"
+        return response
+
+    outside.node.create_service(SetBool, "/fleet/permit", permit)
+    words = ("--ros-args", "-r", "permit:=/fleet/permit", "-r", "__ns:=/fleet", "-r", "point:=p")
+    with recorded(tmp_path, *words, program=THREADS) as process:
+        while process.poll() is None:
+            outside.spin_once()
+    done = replayed(tmp_path, "--check")
+    assert done.returncode == 0
+    assert "no difference" in done.stderr
+    assert "second: said False" in done.stderr
+
+
+SIMULATED = """
+from rosbase import BaseManager, BaseNode
+from rosbase.messages import Vector3
+
+class Clockwork(BaseNode):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.point = self.create_publisher(Vector3, "point", 10)
+        self.timer = self.create_timer(0.5, self.beat)
+        self.beats = 0
+
+    def beat(self):
+        self.beats += 1
+        self.point.publish(Vector3(float(self.beats), self.get_clock().now_ns() / 1e9))
+        if self.beats == 4:
+            self.timer.reset()
+        if self.beats == 8:
+            self.manager.request_stop()
+
+class Robot(BaseManager):
+    ticks = 0
+
+    def main_loop(self):
+        self.ticks += 1
+        if self.ticks % 20 == 0:
+            self.logger.info(f"at {self.backend.timer_now_ns()}")
+
+if __name__ == "__main__":
+    Robot("robot", {"clockwork": Clockwork}, node_freq_hz=50).start_main_loop_timer()
+"""
+
+
+def test_simulated_time_is_replayed(tmp_path: Path, outside: Outside) -> None:
+    clock: Any = outside.node.create_publisher(RosClock, "/clock", 10)
+    now_s = 1000.0
+    words = ("--ros-args", "-p", "use_sim_time:=true")
+    with recorded(tmp_path, *words, program=SIMULATED) as process:
+        while process.poll() is None:
+            now_s += 0.05
+            message = RosClock()
+            message.clock.sec, message.clock.nanosec = int(now_s), int(now_s % 1 * 1e9)
+            clock.publish(message)
+            # Not faster than the program can follow.
+            outside.spin_once(0.01)
+    done = replayed(tmp_path, "--check")
+    assert done.returncode == 0
+    assert "no difference" in done.stderr
+
+
+NATIVE = """
+from rosbase import BaseManager
+
+class Robot(BaseManager):
+    ticks = 0
+
+    def main_loop(self):
+        self.ticks += 1
+        if self.ticks == 5:
+            self.backend.node.create_timer(1.0, print)
+        if self.ticks == 10:
+            self.request_stop()
+
+if __name__ == "__main__":
+    Robot("robot", node_freq_hz=50).start_main_loop_timer()
+"""
+
+
+def test_what_the_program_makes_with_rclpy_itself_spoils_the_recording(tmp_path: Path) -> None:
+    with recorded(tmp_path, program=NATIVE):
+        pass
+    done = replayed(tmp_path, "--check")
+    assert done.returncode == 2
+    assert "the program uses the rclpy node robot itself, which a replay lacks" in done.stderr
+
+
+def test_a_changed_program_is_found(tmp_path: Path, outside: Outside) -> None:
+    with recorded(tmp_path):
+        outside.anchor(drop=False)
+    app = tmp_path / "app.py"
+    app.write_text(PROGRAM.replace("Vector3(-1.0,", "Vector3(-1.5,"))
+    done = replayed(tmp_path, "--check")
+    assert done.returncode == 1
+    assert "x: -1 -> -1.5" in done.stderr.replace(".0", "")

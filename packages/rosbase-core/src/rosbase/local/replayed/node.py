@@ -16,7 +16,7 @@ from rosbase.contracts.tap import Tap
 from rosbase.entries.kinds import Numbered
 from rosbase.entries.payloads import from_json
 from rosbase.entries.script import Entry
-from rosbase.errors import ParameterError
+from rosbase.errors import BackendError, ParameterError
 from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.replayed.parameters import ReplayedParameters
 from rosbase.local.replayed.services import ReplayedClient, ReplayedServer
@@ -66,6 +66,17 @@ class ReplayedNode(NodeConnection):
         program.nodes[self.node_name] = self._parameters
         self._write_event: Callable[[Any], bytes] = writer(rcl_interfaces.ParameterEvent)
         self._has_lifecycle = False
+
+    @property
+    def node(self) -> Any:
+        """The node of the middleware, which is not there.
+
+        Raises:
+            BackendError: The program uses it.
+        """
+        raise BackendError(
+            f"the program uses the rclpy node {self.node_name} itself, which a replay lacks"
+        )
 
     def create_publisher(
         self, msg_type: type[MessageT], topic: str, qos_profile: int | QoSProfile
