@@ -17,7 +17,7 @@ from lifecycle_msgs import msg, srv
 from rclpy.node import Node
 from rclpy.task import Future
 
-from rosbase import ManagedNode, RosbaseLogger, State, TransitionEvent
+from rosbase import Clock, ManagedNode, RosbaseLogger, State, TransitionEvent
 from rosbase.contracts.recorded_answers import change_state
 from rosbase.lifecycle import TRANSITIONS, Transition
 from rosbase_ros2.clock import RosClock
@@ -60,7 +60,7 @@ class LifecycleServices:
         self._managed = managed
         self._call_soon = call_soon
         self._logger = logger
-        self._clock = RosClock(node)
+        self._clock: Clock = RosClock(node)
         self._refusals = Refusals(self._node.context, logger)
         # Requests that the main loop has not begun; guarded with _closed by the lock.
         self._waiting: set[Any] = set()

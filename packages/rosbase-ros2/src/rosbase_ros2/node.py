@@ -171,7 +171,7 @@ class RosNode(NodeConnection):
         if self._conductor is not None:
             self._resolved(self._conductor, topic)
         inner = self._create("publisher", courier.ros_type, topic, profile)
-        make = RosPublisher
+        make: Callable[..., RosPublisher] = RosPublisher
         if self._conductor is not None:
             make = partial(RecordedPublisher, conductor=self._conductor)
         publisher = make(inner, courier, self._refusals)
@@ -190,7 +190,7 @@ class RosNode(NodeConnection):
         self._process.check_open()
         courier = courier_of(msg_type, self._process.conversions)
         profile = to_profile(qos_profile, topic)
-        make = RosSubscription
+        make: Callable[..., RosSubscription] = RosSubscription
         if self._conductor is not None:
             name = self._resolved(self._conductor, topic)
             make = partial(RecordedSubscription, conductor=self._conductor, topic=name)
@@ -312,11 +312,9 @@ class RosNode(NodeConnection):
         self._parameters.watch_transitions(node.describe_transition)
         # A program may ask for a transition of its own node, and wait.
         call_urgently = self._process.executor.call_urgently
-        make = LifecycleServices
+        make: Callable[..., LifecycleServices] = LifecycleServices
         if self._conductor is not None:
-            make = partial(
-                RecordedLifecycleServices, conductor=self._conductor, now_ns=self.clock.now_ns
-            )
+            make = partial(RecordedLifecycleServices, conductor=self._conductor, clock=self.clock)
         self._lifecycle_services.append(make(self.node, node, call_urgently, self._logger))
 
     def prepared_sender(

@@ -105,7 +105,7 @@ class ReplayedNode(NodeConnection):
         subscription = ReplayedSubscription(
             conductor, name, callback, decode, schedule, self._logger
         )
-        depth = getattr(qos_profile, "queue_depth", qos_profile)
+        depth: Any = getattr(qos_profile, "queue_depth", qos_profile)
         subscription.resize(found(conductor, lambda: depth))
         self._program.subscriptions.append(subscription)
         self._tell_of(name, msg_type)
