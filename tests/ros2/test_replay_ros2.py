@@ -87,6 +87,7 @@ if __name__ == "__main__":
     ).start_main_loop_timer()
 """
 TIMEOUT_S = 40.0
+ROS = ("rclpy", "rcl_interfaces", "lifecycle_msgs", "std_srvs", "geometry_msgs", "rosbase_ros2")
 
 
 class Outside:
@@ -149,9 +150,9 @@ def recorded(folder: Path, *words: str, program: str = PROGRAM) -> Iterator[Any]
             print(process.communicate()[1].decode())
 
 
-def replayed(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Replays the recording in a process that cannot import anything of ROS."""
-    for name in ("rclpy", "rcl_interfaces", "std_srvs", "geometry_msgs", "rosbase_ros2"):
+def replayed(folder: Path, *words: str, has_ros: bool = False) -> subprocess.CompletedProcess[str]:
+    """Replays the recording in a process that cannot import anything of ROS, if not told so."""
+    for name in () if has_ros else ROS:
         (folder / f"{name}.py").write_text("raise ImportError('there is no ROS')\n")
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     done = subprocess.run(
@@ -329,9 +330,58 @@ def test_what_the_program_makes_with_rclpy_itself_spoils_the_recording(tmp_path:
 
 def test_a_changed_program_is_found(tmp_path: Path, outside: Outside) -> None:
     with recorded(tmp_path):
+        while outside.anchor(drop=True) == "after 0 beats":
+            pass
         outside.anchor(drop=False)
     app = tmp_path / "app.py"
     app.write_text(PROGRAM.replace("Vector3(-1.0,", "Vector3(-1.5,"))
     done = replayed(tmp_path, "--check")
     assert done.returncode == 1
     assert "x: -1 -> -1.5" in done.stderr.replace(".0", "")
+
+
+OF_ROS = """
+from geometry_msgs.msg import PointStamped, Vector3
+from std_srvs.srv import SetBool
+from rosbase import BaseManager, BaseNode
+
+class Native(BaseNode):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.message = PointStamped()
+        self.point = self.create_publisher(PointStamped, "point", 10)
+        self.create_subscription(Vector3, "wind", self.hear, 10)
+        self.create_service(SetBool, "anchor", self.anchor)
+
+    def hear(self, wind):
+        self.message.header.frame_id += "x"
+        self.message.point.y = wind.x
+        self.point.publish(self.message)
+
+    def anchor(self, request, response):
+        response.message = "after"
+        self.logger.info(f"anchor {request.data}")
+        if not request.data:
+            self.manager.request_stop()
+        return response
+
+if __name__ == "__main__":
+    BaseManager("robot", {"native": Native}, node_freq_hz=50).start_main_loop_timer()
+"""
+
+
+def test_classes_of_ros_are_replayed_where_they_are_installed(
+    tmp_path: Path, outside: Outside
+) -> None:
+    wind: Any = outside.node.create_publisher(RosVector3, "/wind", 10)
+    with recorded(tmp_path, program=OF_ROS):
+        assert outside.anchor(drop=True) == "after"
+        wait_until(lambda: wind.get_subscription_count() == 1, "discovery", TIMEOUT_S)
+        for number in range(5):
+            wind.publish(RosVector3(x=float(number)))
+        outside.anchor(drop=False)
+    done = replayed(tmp_path, "--check", has_ros=True)
+    assert done.returncode == 0
+    assert "no difference" in done.stderr
+    lacking = replayed(tmp_path, "--check")
+    assert lacking.returncode != 0

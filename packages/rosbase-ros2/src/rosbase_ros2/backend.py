@@ -12,12 +12,11 @@ from rosbase import (
     NodeConnection,
     SystemClock,
     check_node_name,
-    installed_plugins,
 )
 from rosbase.entries.conductor import conductor_of
-from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import await_delivery
+from rosbase_ros2.formats import plugin_conversions
 from rosbase_ros2.given import name_strange_files, name_strange_parameters, own_first
 from rosbase_ros2.host import Host
 from rosbase_ros2.node import RosNode
@@ -66,7 +65,7 @@ class Ros2Backend(RosNode, Backend):
             self.executor,
             words,
             arguments,
-            Conversions(_ask_plugins),
+            plugin_conversions(),
             self.new_ends,
             self.conductor,
         )
@@ -153,10 +152,6 @@ class Ros2Backend(RosNode, Backend):
             self._warn,
         )
         name_strange_parameters(nodes, claimed)
-
-
-def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
-    return installed_plugins().create_conversion(msg_type, "ros2", accept)
 
 
 def _destroy(nodes: Sequence[RosNode]) -> None:

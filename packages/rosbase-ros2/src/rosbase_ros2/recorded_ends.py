@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from attrs import evolve
 from rclpy.exceptions import InvalidHandle
 from rclpy.serialization import serialize_message
 
@@ -14,8 +15,8 @@ from rosbase import Executor, RosbaseLogger, Sender, ServiceRequest
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind, Numbered
 from rosbase.wire import maker
-from rosbase.wire.values import name_of
 from rosbase_ros2.courier import Courier
+from rosbase_ros2.formats import rewriter
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.service_courier import ServiceCourier
 from rosbase_ros2.service_server import RosService
@@ -32,10 +33,9 @@ class RecordedPublisher(RosPublisher):
     def __init__(
         self, inner: Any, courier: Courier, refusals: Refusals, conductor: Conductor
     ) -> None:
-        super().__init__(inner, courier, refusals)
+        super().__init__(inner, _in_bytes(courier), refusals)
         self._conductor = conductor
         self._number = conductor.number(Numbered.PUBLISHER, self.topic, _no_replay)
-        _check_replayable(conductor, self.topic, courier)
 
     def publish(self, message: Any) -> bool:
         """Send the message, on another thread as soon as the turn is free."""
@@ -105,7 +105,6 @@ class RecordedSubscription(RosSubscription):
         super().__init__(courier, callback, depth, schedule, logger)
         self._conductor = conductor
         self._number = conductor.number(Numbered.SUBSCRIPTION, topic, _no_replay)
-        _check_replayable(conductor, topic, courier)
 
     def deliver(self, message: Any) -> None:
         """Queue a message, as an entry."""
@@ -134,8 +133,6 @@ class RecordedService(RosService):
         super().__init__(name, courier, answer, executor, logger)
         self._conductor = conductor
         self._number = conductor.number(Numbered.SERVICE, name, _no_replay)
-        if courier.is_native:
-            conductor.spoil(f"{name}: its messages are of classes of ROS, which a replay lacks")
 
     def take(self, call: ServiceRequest) -> None:
         """Queue a request. Call it from any thread."""
@@ -147,10 +144,14 @@ class RecordedService(RosService):
         self._conductor.come_in(Kind.REQUEST, (self._number,), data, take)
 
 
-def _check_replayable(conductor: Conductor, topic: str, courier: Courier) -> None:
-    if not courier.is_raw:
-        name = name_of(courier.msg_type)
-        conductor.spoil(f"{topic}: {name} is no class of rosbase messages, which a replay needs")
+def _in_bytes(courier: Courier) -> Courier:
+    """Return a courier that sends bytes, as a replay of the program will write them."""
+    if courier.is_raw:
+        return courier
+    rewrite, encode = rewriter(courier.ros_type), courier.encode
+    return evolve(
+        courier, encode=lambda message: rewrite(bytes(serialize_message(encode(message))))
+    )
 
 
 def _count(inner: Any) -> int:

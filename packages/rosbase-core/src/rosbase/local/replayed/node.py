@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbase.contracts.backend import timer_period_ns
 from rosbase.contracts.graph import Graph, TopicEnd, type_name_of
+from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
 from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
@@ -27,7 +28,7 @@ from rosbase.messages import lifecycle_msgs, rcl_interfaces
 from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.runtime.executor import ExecutorTimer
-from rosbase.wire import reader, writer
+from rosbase.wire import writer
 
 if TYPE_CHECKING:
     from rosbase.local.replayed.program import ReplayedProgram
@@ -83,7 +84,7 @@ class ReplayedNode(NodeConnection):
     ) -> Publisher[MessageT]:
         """Create a publisher, which taps hear."""
         self._program.check_open()
-        name, encode = self._resolve(topic), writer(msg_type)
+        name, encode = self._resolve(topic), self._program.form(msg_type).encode
         publisher = ReplayedPublisher(
             self._program.conductor, name, msg_type, encode, self._program.taps
         )
@@ -101,7 +102,7 @@ class ReplayedNode(NodeConnection):
         """Create a subscription, which hears the recording."""
         self._program.check_open()
         conductor, schedule = self._program.conductor, self._program.executor.call_soon
-        name, decode = self._resolve(topic), reader(msg_type)
+        name, decode = self._resolve(topic), self._program.form(msg_type).decode
         subscription = ReplayedSubscription(
             conductor, name, callback, decode, schedule, self._logger
         )
@@ -133,7 +134,13 @@ class ReplayedNode(NodeConnection):
         check_service_type(srv_type, srv_name)
         name = self._resolve(srv_name, "service")
         service = ReplayedServer(
-            program.conductor, srv_type, name, callback, program.executor, self._logger
+            program.conductor,
+            srv_type,
+            name,
+            callback,
+            program.executor,
+            self._logger,
+            program.form,
         )
         program.services[name] = service
         return service
@@ -146,9 +153,8 @@ class ReplayedNode(NodeConnection):
         program.check_open()
         check_service_type(srv_type, srv_name)
         name = self._resolve(srv_name, "service")
-        client = ReplayedClient(
-            srv_type, name, program.executor, partial(program.services.get, name)
-        )
+        find_own = partial(program.services.get, name)
+        client = ReplayedClient(srv_type, name, program.executor, find_own, program.form)
         program.clients.append(client)
         return client
 
@@ -244,6 +250,10 @@ class ReplayedNode(NodeConnection):
         """Return the publishers and subscriptions of the program."""
         program = self._program
         return Graph((f"/{self.node_name}",), tuple(program.ends))
+
+    def message_format(self, msg_type: Any) -> MessageFormat:
+        """Return how the messages of a class looked outside."""
+        return self._program.form(msg_type)
 
     def _resolve(self, name: str, kind: str = "topic") -> str:
         """Return the full name that a topic or a service had, which others may have remapped."""

@@ -7,6 +7,7 @@ from attrs import define, field
 
 from rosbase.clock import Clock
 from rosbase.contracts.graph import TopicEnd
+from rosbase.contracts.message_format import MessageFormat, message_format
 from rosbase.contracts.new_ends import NewEnds
 from rosbase.contracts.tap import Tap
 from rosbase.entries.conductor import Conductor
@@ -15,6 +16,7 @@ from rosbase.local.replayed.parameters import ReplayedParameters
 from rosbase.local.replayed.services import ReplayedClient, ReplayedServer
 from rosbase.local.replayed.topics import ReplayedPublisher, ReplayedSubscription, Taps
 from rosbase.logger import RosbaseLogger
+from rosbase.plugins import installed_plugins
 from rosbase.runtime.executor import Executor
 
 __all__ = ["ReplayedProgram"]
@@ -42,6 +44,20 @@ class ReplayedProgram:
     ends: list[TopicEnd] = field(init=False, factory=list)
     """All publishers and subscriptions."""
     is_closed: bool = field(init=False, default=False)
+
+    def form(self, msg_type: Any) -> MessageFormat:
+        """Return the format of a class of messages; one of the middleware needs its packages.
+
+        Raises:
+            BackendError: They are not installed.
+        """
+        try:
+            return message_format(msg_type)
+        except TypeError:
+            try:
+                return installed_plugins().message_format(msg_type)
+            except TypeError as error:
+                raise BackendError(str(error)) from None
 
     def check_open(self) -> None:
         """Check that the backend has not been closed.

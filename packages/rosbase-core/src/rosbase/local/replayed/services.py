@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from rosbase.contracts.guarded_services import UnheardRequest
+from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.service_call import ServiceCall
 from rosbase.contracts.service_callback import service_answer
 from rosbase.contracts.service_client import ServiceClient
@@ -16,9 +17,10 @@ from rosbase.entries.script import Entry
 from rosbase.errors import ServiceError
 from rosbase.logger import RosbaseLogger
 from rosbase.runtime.executor import Executor
-from rosbase.wire import reader, writer
 
 __all__ = ["ReplayedClient", "ReplayedServer"]
+
+FindForm: TypeAlias = Callable[[Any], MessageFormat]
 
 RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
@@ -38,6 +40,7 @@ class ReplayedServer(ServiceServer):
         callback: ServiceCallback[Any, Any],
         executor: Executor,
         logger: RosbaseLogger,
+        form: FindForm,
     ) -> None:
         """Number the service.
 
@@ -48,9 +51,9 @@ class ReplayedServer(ServiceServer):
             callback: Answers a request.
             executor: As for `ServiceServer`.
             logger: Likewise.
+            form: Returns the format of a class of messages.
         """
-        request, response = _classes(srv_type)
-        read, write = reader(request), writer(response)
+        read, write = form(srv_type.Request).decode, form(srv_type.Response).encode
         answer = service_answer(srv_type, name, callback)
         super().__init__(name, lambda data: write(answer(read(data))), executor, logger)
         conductor.number(Numbered.SERVICE, name, self._replay)
@@ -68,6 +71,7 @@ class ReplayedClient(ServiceClient[RequestT, ResponseT]):
         name: str,
         executor: Executor,
         find_own: Callable[[], ServiceServer | None],
+        form: FindForm,
     ) -> None:
         """Prepare a client, which has a number.
 
@@ -76,11 +80,15 @@ class ReplayedClient(ServiceClient[RequestT, ResponseT]):
             name: Its full name.
             executor: The executor of the backend.
             find_own: Returns the service if the program has it.
+            form: Returns the format of a class of messages.
         """
         super().__init__(srv_type, name, executor)
-        request, response = _classes(srv_type)
-        self._write, self._read = writer(request), reader(response)
+        self._write, self._form = form(srv_type.Request).encode, form(srv_type.Response)
         self._find_own = find_own
+
+    def response_form(self) -> MessageFormat:
+        """Return the form of the answers."""
+        return self._form
 
     def service_is_ready(self) -> bool:
         """Return whether the service was there."""
@@ -97,7 +105,7 @@ class ReplayedClient(ServiceClient[RequestT, ResponseT]):
             raise
         own = self._find_own()
         if own is not None:
-            own.take(_OwnRequest(call, request, self._read))
+            own.take(_OwnRequest(call, request, self._form.decode))
 
     def _is_own(self) -> bool:
         return not self.is_closed and self._find_own() is not None
@@ -117,7 +125,3 @@ class _OwnRequest:
 
 def _answer(call: ServiceCall[Any, Any], read: Callable[[bytes], Any], data: bytes) -> bool:
     return call.set_result(read(data))
-
-
-def _classes(srv_type: ServiceType[Any, Any]) -> tuple[Any, Any]:
-    return srv_type.Request, srv_type.Response
