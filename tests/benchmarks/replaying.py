@@ -91,7 +91,8 @@ def duration_s(path: Path) -> float:
     with path.open("rb") as stream:
         summary = read_summary(stream)
     assert summary is not None
-    assert summary.start_ns is not None and summary.end_ns is not None
+    assert summary.start_ns is not None
+    assert summary.end_ns is not None
     return (summary.end_ns - summary.start_ns) / 1e9
 
 

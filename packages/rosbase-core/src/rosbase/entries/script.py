@@ -98,7 +98,8 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
     make = partial(tuple.__new__, Entry)
     kinds, sizes, is_note, has_payload = _KINDS, INTS, IS_NOTE, HAS_PAYLOAD
     # The entry that has begun. It is made when the next one begins, and all its notes are known.
-    number, kind, numbers, payload, notes = -1, Kind.BEGIN, (0,), b"", NO_NOTES
+    numbers: tuple[int, ...] = ()
+    number, kind, payload, notes = -1, Kind.BEGIN, b"", NO_NOTES
     payloads: deque[bytes] = deque()
     for block in blocks:
         if block.first_entry != number + 1:
