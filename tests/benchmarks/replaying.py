@@ -49,16 +49,8 @@ def record(path: Path) -> None:
     simulator.start()
     given = [f"{name}:={value}" for name, value in device.parameters.items()]
     parameters = [word for one in ("comm_t:=serial", *given) for word in ("-p", one)]
-    command = [
-        *ROSBASE,
-        "run",
-        "--record",
-        str(path),
-        *parameters,
-        PROGRAM,
-        str(SECONDS),
-        str(SEED),
-    ]
+    program = (PROGRAM, str(SECONDS), str(SEED))
+    command = [*ROSBASE, "run", "--record", str(path), *parameters, *program]
     environment = {**os.environ, "PYTHONHASHSEED": "0"}
     try:
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)

@@ -56,6 +56,22 @@ def test_publishers_of_every_kind_are_tapped_and_then_as_before(
     backend.close()
 
 
+def test_a_tap_hands_to_another_function_until_it_is_closed() -> None:
+    backend = virtual_backend()
+    publisher = backend.create_publisher(Vector3, "point", 10)
+    before, after = list[Any](), list[Any]()
+    tap = backend.add_tap("point", before.append)
+    publisher.publish(Vector3(1.0))
+    tap.hand_to(after.append)
+    publisher.publish(Vector3(2.0))
+    tap.close()
+    tap.hand_to(before.append)
+    tap.take(Vector3(3.0))
+    assert before == [Vector3(1.0)]
+    assert after == [Vector3(2.0)]
+    backend.close()
+
+
 def test_a_tap_hears_nothing_that_was_kept() -> None:
     backend = virtual_backend()
     publisher = backend.create_publisher(Vector3, "point", LATCHED)

@@ -20,6 +20,8 @@ __all__ = ["ChunkBuilder", "MessageTimes", "contents_of", "message_index", "mess
 _HEAD = struct.Struct("<BQHIQQ")
 _HEAD_BYTES = _HEAD.size - PREFIX.size
 _MESSAGE = struct.Struct("<HIQ")
+# In Python 3.11, to find a member takes 0.2 us.
+_KIND_OF_MESSAGE = int(Kind.MESSAGE)
 
 MessageTimes = Mapping[int, Sequence[int]]
 """By channel: `log_ns` and offset of each of its messages, all in one list."""
@@ -43,7 +45,7 @@ class ChunkBuilder:
         append, times, pack, size = self._parts.append, self._times, _HEAD.pack, self.size_bytes
         for channel, sequence, log_ns, publish_ns, data in items:
             length = _HEAD_BYTES + len(data)
-            append(pack(Kind.MESSAGE, length, channel, sequence, log_ns, publish_ns))
+            append(pack(_KIND_OF_MESSAGE, length, channel, sequence, log_ns, publish_ns))
             append(data)
             times[channel] += (log_ns, size)
             size += PREFIX.size + length
@@ -63,7 +65,7 @@ def contents_of(records: bytes | memoryview) -> list[Message | tuple[int, memory
 
     What is cut off at the end is left out.
     """
-    data, unpack, kind_of_message = bytes(records), _HEAD.unpack_from, int(Kind.MESSAGE)
+    data, unpack, kind_of_message = bytes(records), _HEAD.unpack_from, _KIND_OF_MESSAGE
     # In C, as the class itself would do it in Python.
     make = partial(tuple.__new__, Message)
     at, end = 0, len(data)
@@ -91,7 +93,7 @@ def message_times(records: bytes | memoryview) -> MessageTimes:
     times: defaultdict[int, list[int]] = defaultdict(list)
     at = 0
     for kind, content in records_in(records):
-        if kind == Kind.MESSAGE and len(content) >= _HEAD_BYTES:
+        if kind == _KIND_OF_MESSAGE and len(content) >= _HEAD_BYTES:
             channel, _, log_ns = _MESSAGE.unpack_from(content)
             times[channel] += (log_ns, at)
         at += PREFIX.size + len(content)

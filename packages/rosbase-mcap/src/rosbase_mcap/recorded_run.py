@@ -1,6 +1,7 @@
 """The entries of a run on their way into its recording."""
 
 from collections.abc import Iterable
+from threading import get_ident
 from typing import Any
 from uuid import uuid4
 
@@ -9,6 +10,7 @@ from attrs import evolve
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.sink import EndFacts, RunFacts
 from rosbase.entries.trace import Trace
+from rosbase.entries.turn import Turn
 from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ORIGIN, ChannelTable
 from rosbase_mcap.outputs import Digest
@@ -35,6 +37,8 @@ class RecordedRun:
         self._topics = frozenset(f"/{topic.lstrip('/')}" for topic in topics)
         self._id = uuid4().hex
         self._conductor: Conductor | None = None
+        # Nobody has it before there is a program.
+        self._turn = Turn()
         self._trace = Trace()
         self._facts = RunFacts(0, 0)
         self._end: EndFacts | None = None
@@ -43,7 +47,7 @@ class RecordedRun:
 
     def begin(self, backend: Any, conductor: Conductor, trace: Trace, facts: RunFacts) -> None:
         """Take the entries of a program from now on."""
-        self._conductor, self._trace = conductor, trace
+        self._conductor, self._turn, self._trace = conductor, conductor.turn, trace
         self._facts = evolve(facts, more={**surroundings(), **facts.more})
 
     def close(self, end: EndFacts) -> None:
@@ -63,8 +67,7 @@ class RecordedRun:
     @property
     def number(self) -> int:
         """Number of the entry that the calling thread runs; -1 outside of the program."""
-        conductor = self._conductor
-        return self._trace.number if conductor is not None and conductor.is_inside else -1
+        return self._trace.number if self._turn.owner == get_ident() else -1
 
     def take(self) -> Attachment | None:
         """Return the entries since the last call; None if there are none."""

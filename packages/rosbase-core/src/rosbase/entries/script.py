@@ -28,7 +28,7 @@ class Creation:
     """Something with a number that the program created."""
 
     what: int
-    """What it is, as in `Numbered`."""
+    """Class of the object, as in `Numbered`."""
     number: int
     """Its number: how many of its kind were created before."""
     text: str
@@ -36,7 +36,7 @@ class Creation:
 
 
 class Notes:
-    """What a piece of work asked of the world outside, and what it created."""
+    """Readings, facts and creations that belong to an entry."""
 
     # What an entry does not have, its class has: so to make one costs next to nothing.
     mono: deque[int] = _NOTHING
@@ -50,7 +50,7 @@ class Notes:
     facts: deque[Json] = _NOTHING
     """Answers about things outside."""
     created: deque[Creation] = _NOTHING
-    """What the program created."""
+    """Objects that the program created."""
     spoiled: str = ""
     """Why the run cannot be replayed from here on; empty if it can."""
 
@@ -74,13 +74,13 @@ class Entry(NamedTuple):
     number: int
     """How many entries began before."""
     kind: Kind
-    """What it is."""
+    """Kind of the entry."""
     ints: Sequence[int]
     """The numbers of its kind, as `kinds` has them; the first is the time at which it began."""
     payload: bytes = b""
-    """What came from outside."""
+    """Content that came from outside."""
     notes: Notes = NO_NOTES
-    """What belongs to it."""
+    """Notes that belong to the entry."""
 
     @property
     def t_ns(self) -> int:
@@ -98,8 +98,8 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
     make = partial(tuple.__new__, Entry)
     kinds, sizes, is_note, has_payload = _KINDS, INTS, IS_NOTE, HAS_PAYLOAD
     # The entry that has begun. It is made when the next one begins, and all its notes are known.
-    numbers: tuple[int, ...] = ()
     number, kind, payload, notes = -1, Kind.BEGIN, b"", NO_NOTES
+    numbers: Sequence[int] = ()
     payloads: deque[bytes] = deque()
     for block in blocks:
         if block.first_entry != number + 1:

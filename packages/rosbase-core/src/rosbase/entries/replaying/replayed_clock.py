@@ -51,7 +51,8 @@ class ReplayedClock:
         self._more = 0
         # As `move_to`, which would be a call for each entry.
         machine, t_ns = self.machine, entry.ints[0]
-        machine.t_ns = max(machine.t_ns, t_ns)
+        if t_ns > machine.t_ns:  # noqa: PLR1730 - `max` takes twice as long
+            machine.t_ns = t_ns
 
     def begin_free(self) -> None:
         """Forget the recorded readings: from now on, the clock is that of the machine."""
