@@ -18,6 +18,11 @@ from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock as RosClock
 from std_srvs.srv import SetBool
 
+from rosbase.messages import Vector3
+from rosbase.runtime.executor import Executor
+from rosbase_ros2.backend import Ros2Backend
+from rosbase_ros2.parameters import RosParameters
+from rosbase_ros2.topics import RosPublisher, RosSubscription
 from support.waiting import wait_until
 
 PROGRAM = """
@@ -385,3 +390,53 @@ def test_classes_of_ros_are_replayed_where_they_are_installed(
     assert "no difference" in done.stderr
     lacking = replayed(tmp_path, "--check")
     assert lacking.returncode != 0
+
+
+def test_without_a_recording_the_plain_classes_are_used(backend: Ros2Backend) -> None:
+    assert type(backend.create_publisher(Vector3, "wind", 1)) is RosPublisher
+    assert type(backend.create_subscription(Vector3, "wind", print, 1)) is RosSubscription
+    assert type(backend._parameters) is RosParameters
+    assert type(backend.executor) is Executor
+
+
+SPOILT = """
+import threading
+from rosbase import BaseManager, BaseNode
+from rosbase.messages import Vector3
+
+class Loose(BaseNode):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.declare_parameter("gain", 1.0)
+        self.create_timer(0.1, self.beat)
+
+    def beat(self):
+        thread = threading.Thread(target=self.change)
+        thread.start()
+        thread.join()
+        self.manager.request_stop()
+
+    def change(self):
+        ACTION
+
+if __name__ == "__main__":
+    BaseManager("robot", {"loose": Loose}, node_freq_hz=50).start_main_loop_timer()
+"""
+
+
+@pytest.mark.parametrize(
+    ("action", "reason"),
+    [
+        ('self.create_publisher(Vector3, "late", 1)', "created a publisher: /late"),
+        ('self.declare_parameter("late", 1)', "a thread of the program's own declares a parameter"),
+    ],
+    ids=["creates", "declares"],
+)
+def test_what_own_threads_create_spoils_the_recording(
+    tmp_path: Path, action: str, reason: str
+) -> None:
+    with recorded(tmp_path, program=SPOILT.replace("ACTION", action)):
+        pass
+    done = replayed(tmp_path, "--check")
+    assert done.returncode == 1
+    assert reason in done.stderr

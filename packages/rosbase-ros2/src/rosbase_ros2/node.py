@@ -248,10 +248,12 @@ class RosNode(NodeConnection):
 
     def destroy_service(self, service: Service) -> None:
         """Destroy a service."""
+        self._note_outside("destroys a service")
         self._services.destroy_service(service)
 
     def destroy_client(self, client: Client[Any, Any]) -> None:
         """Destroy a client."""
+        self._note_outside("destroys a client")
         self._services.destroy_client(client)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
