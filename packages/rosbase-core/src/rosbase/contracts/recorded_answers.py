@@ -1,4 +1,4 @@
-"""What the backend of a middleware notes while its program is recorded.
+"""Answers that the backend of a middleware notes while its program is recorded.
 
 A replay has no middleware. Its backend asks for the same, in the same order, and gets what was
 noted.

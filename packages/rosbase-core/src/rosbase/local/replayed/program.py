@@ -1,4 +1,4 @@
-"""What all nodes of a replayed program share."""
+"""State that all nodes of a replayed program share."""
 
 from collections.abc import Callable
 from typing import Any
