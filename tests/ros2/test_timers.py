@@ -238,7 +238,7 @@ NOBODY = "use_sim_time is true and nothing publishes /clock: stamps are zero and
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rosbase_ros2.sim_time._PATIENCE_NS", 50_000_000)
+    monkeypatch.setattr("rosbase_ros2.sim_time._PATIENCE_S", 0.05)
 
 
 def warnings_of(caplog: pytest.LogCaptureFixture) -> list[str]:

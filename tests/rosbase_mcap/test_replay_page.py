@@ -13,7 +13,8 @@ PAGE = ROOT / "docs/how-to/replay.md"
 
 def test_the_commands_and_the_test_of_the_page_replay_its_program(tmp_path: Path) -> None:
     write_files(PAGE, tmp_path, "")
-    [block] = [b for b in BLOCKS.values() if b.page == PAGE and "--record" in b.text]
+    wanted = "--record field.mcap robot.py"
+    [block] = [b for b in BLOCKS.values() if b.page == PAGE and wanted in b.text]
     commands = [[ROSBASE, *line.split()[1:]] for line in block.text.splitlines()]
     commands.append([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"])
     said = ""

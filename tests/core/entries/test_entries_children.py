@@ -42,10 +42,12 @@ class Parent(BaseManager):
     def main_loop(self) -> None:
         super().main_loop()
         command = self.children["command"]
-        self.see(command.is_alive, command.pid, command.exit_code)
+        is_alive, code = command.is_alive, command.exit_code
+        self.see(is_alive, command.pid, code)
         self.see(self.node(Listener).publisher.subscription_count)
         heard = [seen for seen in self.seen if isinstance(seen[0], str)]
-        if len(heard) > 3 and command.exit_code is not None:
+        # Its status is known a moment before it counts as ended.
+        if len(heard) > 3 and code is not None and not is_alive:
             self.request_stop()
 
 

@@ -11,6 +11,7 @@ from rosbase.clock import Clock
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.kinds import Kind, Numbered
 from rosbase.entries.recorder import Recorder
+from rosbase.entries.replaying import virtual_clock
 from rosbase.entries.replaying.inputs import Input
 from rosbase.entries.replaying.player import Player
 from rosbase.entries.script import Entry, read_entries
@@ -459,3 +460,14 @@ def test_a_loop_that_waits_by_reading_the_clock_does_not_hang(seconds: float) ->
     if seconds:
         with pytest.raises(RuntimeError, match="stands still"):
             replay(partial(run, seconds + 1), script)
+
+
+def test_a_loop_that_spins_for_no_time_does_not_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(virtual_clock, "_FOR_EVER", 100)
+
+    def run(program: Program) -> None:
+        for _ in range(1000):
+            program.executor.spin_once(0.0)
+
+    with pytest.raises(RuntimeError, match="stands still"):
+        replay(run, [], inputs=[Input(S, print)])

@@ -12,11 +12,11 @@ from rosbase import (
     NodeConnection,
     SystemClock,
     check_node_name,
-    installed_plugins,
 )
-from rosbase_ros2.conversion import Accept, Conversions, Converter
+from rosbase.entries.conductor import conductor_of
 from rosbase_ros2.deadline import Deadline
 from rosbase_ros2.delivery import await_delivery
+from rosbase_ros2.formats import plugin_conversions
 from rosbase_ros2.given import name_strange_files, name_strange_parameters, own_first
 from rosbase_ros2.host import Host
 from rosbase_ros2.node import RosNode
@@ -52,7 +52,9 @@ class Ros2Backend(RosNode, Backend):
             BackendError: ROS refuses the arguments or the name, or cannot start on this machine.
             ParameterError: An override of a quality of service is invalid.
         """
-        Backend.__init__(self, SystemClock(), options.node_name)
+        is_recorded = conductor_of(options.clock) is not None
+        clock = options.clock if is_recorded else SystemClock()
+        Backend.__init__(self, clock, options.node_name)
         context = rclpy.Context()
         warning, words = prepare_machine(), ros_arguments(sys.argv)
         arguments = RosArguments(words)
@@ -63,8 +65,9 @@ class Ros2Backend(RosNode, Backend):
             self.executor,
             words,
             arguments,
-            Conversions(_ask_plugins),
+            plugin_conversions(),
             self.new_ends,
+            self.conductor,
         )
         process.find_log_file()
         self._others: list[RosNode] = []
@@ -83,7 +86,7 @@ class Ros2Backend(RosNode, Backend):
             self._logger.warning(warning)
         if words or options.parameter_overrides:
             # When the constructors have built their nodes and declared their parameters.
-            self.call_soon(self._name_strange)
+            self.executor.call_aside(self._name_strange)
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open a node of its own for a lifecycle node; others share this one."""
@@ -131,7 +134,7 @@ class Ros2Backend(RosNode, Backend):
             last.callback(_destroy, nodes)
             publishers = [publisher for node in nodes for publisher in node.stop_sending()]
             if process.context.ok():
-                await_delivery(publishers, _LAST_MESSAGES_S, self.executor.clock)
+                await_delivery(publishers, _LAST_MESSAGES_S, SystemClock())
             process.taps.close()
             for node in nodes:
                 node.stop_receiving()
@@ -149,10 +152,6 @@ class Ros2Backend(RosNode, Backend):
             self._warn,
         )
         name_strange_parameters(nodes, claimed)
-
-
-def _ask_plugins(msg_type: type, accept: Accept) -> Converter | None:
-    return installed_plugins().create_conversion(msg_type, "ros2", accept)
 
 
 def _destroy(nodes: Sequence[RosNode]) -> None:

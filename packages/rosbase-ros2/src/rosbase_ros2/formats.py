@@ -1,20 +1,30 @@
 """How messages of a class look outside this process: for classes of rosbase and of ROS."""
 
 import re
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
+from attrs import evolve
 from rclpy.serialization import deserialize_message, serialize_message
 
-from rosbase import MessageFormat, WireError, one_line, type_name_of
+from rosbase import MessageFormat, WireError, installed_plugins, one_line, type_name_of
 from rosbase.messages.fields import Width
 from rosbase.wire.hashes import hash_of
+from rosbase.wire.plain import decoder, encoder
 from rosbase.wire.schemas import schema_of
 from rosbase.wire.structure import Field, Kind, MessageType
-from rosbase_ros2.conversion import Conversions
+from rosbase_ros2.conversion import Accept, Conversions, Converter
 from rosbase_ros2.courier import courier_of, ros_class
 
-__all__ = ["find_ros_type", "ros_format", "structure_of"]
+__all__ = [
+    "find_ros_type",
+    "plugin_conversions",
+    "rewriter",
+    "ros_format",
+    "structure_of",
+    "written_format",
+]
 
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(, (?P<size>\d+))?>")
 _ARRAY = re.compile(r"(?P<element>.+)\[(?P<size>\d+)\]")
@@ -26,6 +36,15 @@ _WIDTHS = {
     "float": Width.FLOAT32,
     "double": Width.FLOAT64,
 }
+
+
+def plugin_conversions() -> Conversions:
+    """Return the conversions of the installed plugins."""
+
+    def ask(msg_type: type, accept: Accept) -> Converter | None:
+        return installed_plugins().create_conversion(msg_type, "ros2", accept)
+
+    return Conversions(ask)
 
 
 def ros_format(msg_type: Any, conversions: Conversions) -> MessageFormat:
@@ -55,6 +74,13 @@ def ros_format(msg_type: Any, conversions: Conversions) -> MessageFormat:
     return MessageFormat(own.name, schema_of(own, with_defaults=True), hash_of(own), encode, decode)
 
 
+def written_format(msg_type: Any, conversions: Conversions) -> MessageFormat:
+    """Return the same format, whose bytes have no gaps of any content: for a recording."""
+    form = ros_format(msg_type, conversions)
+    rewrite, encode = rewriter(courier_of(msg_type, conversions).ros_type), form.encode
+    return evolve(form, encode=lambda message: rewrite(bytes(encode(message))))
+
+
 def find_ros_type(type_name: str) -> Any:
     """Return the class of ROS for a message or a service.
 
@@ -82,6 +108,22 @@ def structure_of(ros_type: Any) -> MessageType:
         for name, text in ros_type.get_fields_and_field_types().items()
     ]
     return MessageType(type_name_of(ros_type), ros_type, fields)
+
+
+def rewriter(ros_type: Any) -> Callable[[bytes], bytes]:
+    """Return a function that writes a message of rclpy anew, because its gaps have any bytes."""
+    own = structure_of(ros_type)
+    text = schema_of(own)
+    read, write = decoder(own.name, text), encoder(own.name, text)
+
+    def rewrite(data: bytes) -> bytes:
+        try:
+            return write(read(data))
+        except (ValueError, WireError):
+            # A text that rosbase would not send; it is compared as it is.
+            return data
+
+    return rewrite
 
 
 def _field(name: str, text: str, value: Any) -> Field:

@@ -17,14 +17,8 @@ from lifecycle_msgs import msg, srv
 from rclpy.node import Node
 from rclpy.task import Future
 
-from rosbase import (
-    CallbackReturn,
-    ManagedNode,
-    RosbaseLogger,
-    State,
-    TransitionEvent,
-    TransitionNotAvailableError,
-)
+from rosbase import Clock, ManagedNode, RosbaseLogger, State, TransitionEvent
+from rosbase.contracts.recorded_answers import change_state
 from rosbase.lifecycle import TRANSITIONS, Transition
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.refusals import RCLError, Refusals
@@ -66,7 +60,7 @@ class LifecycleServices:
         self._managed = managed
         self._call_soon = call_soon
         self._logger = logger
-        self._clock = RosClock(node)
+        self._clock: Clock = RosClock(node)
         self._refusals = Refusals(self._node.context, logger)
         # Requests that the main loop has not begun; guarded with _closed by the lock.
         self._waiting: set[Any] = set()
@@ -156,12 +150,17 @@ class LifecycleServices:
                 self._logger.warning(f"change_state refused: {busy}")
             return answer
         try:
-            self._call_soon(partial(self._run, answer, wanted.id, wanted.label))
+            self._queue(
+                wanted.id, wanted.label, partial(self._run, answer, wanted.id, wanted.label)
+            )
         except Exception:
             with self._lock:
                 self._waiting.discard(answer)
             raise
         return answer
+
+    def _queue(self, transition_id: int, label: str, run: Callable[[], object]) -> None:
+        self._call_soon(run)
 
     def _run(self, answer: Any, transition_id: int, label: str) -> None:
         """Run a transition, on the main loop, unless the request has been refused meanwhile."""
@@ -171,12 +170,7 @@ class LifecycleServices:
             self._waiting.remove(answer)
         success = False
         try:
-            result = self._managed.request_transition(transition_id, label)
-            success = result is CallbackReturn.SUCCESS
-        except TransitionNotAvailableError as error:
-            self._logger.warning(f"change_state refused: {error}")
-        except Exception as error:
-            self._log_error("a transition", error)
+            success = change_state(self._managed, transition_id, label, self._logger)
         finally:
             # What ends the program goes on to the main loop; the client has its answer first.
             _settle(answer, success=success)
@@ -190,6 +184,9 @@ class LifecycleServices:
             start_state=_state(event.start),
             goal_state=_state(event.goal),
         )
+        self._send(message)
+
+    def _send(self, message: Any) -> None:
         try:
             self._events.publish(message)
         except RCLError as error:

@@ -154,6 +154,7 @@ class NativeExecutor(Executor):  # type: ignore[misc]  # rclpy is Any
     def _start(self) -> None:
         with self._start_lock:
             if self._thread is None and not self._is_closed:
+                self._node.note_native()
                 self._thread = background_thread(self._run, "rclpy-native")
                 self._thread.start()
 

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from rclpy.qos import QoSProfile
@@ -9,6 +10,7 @@ from rclpy.qos import QoSProfile
 from rosbase import (
     BackendError,
     Client,
+    Clock,
     Graph,
     ManagedNode,
     MessageFormat,
@@ -32,6 +34,9 @@ from rosbase import (
     resolve_topic,
     timer_period_ns,
 )
+from rosbase.contracts.recorded_answers import found
+from rosbase.entries.conductor import Conductor
+from rosbase.entries.recorded_clock import RecordedClock
 from rosbase.wire.values import name_of
 from rosbase_ros2.clock import RosClock
 from rosbase_ros2.courier import courier_of
@@ -46,6 +51,9 @@ from rosbase_ros2.process import Process
 from rosbase_ros2.qos import queue_depth, to_profile
 from rosbase_ros2.qos_overrides import QoSOverrides
 from rosbase_ros2.questions import Questions
+from rosbase_ros2.recorded_ends import RecordedPublisher, RecordedSubscription
+from rosbase_ros2.recorded_lifecycle import RecordedLifecycleServices
+from rosbase_ros2.recorded_parameters import RecordedParameters
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.rosout import RosoutHandler
 from rosbase_ros2.services import Services
@@ -65,8 +73,6 @@ ResponseT = TypeVar("ResponseT")
 
 class RosNode(NodeConnection):
     """The connection of one node, which ROS sees under its name."""
-
-    clock: RosClock
 
     def set_up(
         self,
@@ -89,19 +95,24 @@ class RosNode(NodeConnection):
         """
         self._process = process
         process.nodes.append(node)
+        for known in node.publishers:
+            # Those of rclpy itself, such as the one of parameter events.
+            process.taps.welcome(known)
         node.publisher_listener = self._welcome
         self.node = node
         """Node of rclpy, for everything else that a program needs: actions, services, tf2."""
         # It may have been given another one on the command line.
         self.node_name = node.get_fully_qualified_name().removeprefix("/")
-        self.clock = clock = RosClock(node)
+        clock = RosClock(node)
         self.log_name = node.get_logger().name
+        self._conductor = conductor = process.conductor
+        self.clock = clock if conductor is None else self._recorded_clock(conductor, clock)
         self.has_console_log = is_enabled("stdout-logs", process.words)
         self.log_handler = self._rosout = RosoutHandler(
             node, process.log_file, is_published=is_enabled("rosout-logs", process.words)
         )
         self._logger = make_logger(
-            self.log_name, None, clock, self.log_handler, has_console=self.has_console_log
+            self.log_name, None, self.clock, self.log_handler, has_console=self.has_console_log
         )
         self._refusals = Refusals(process.context, self._logger)
         self._values = own_first(process.options.parameter_overrides, prefix)
@@ -113,7 +124,10 @@ class RosNode(NodeConnection):
         questions = Questions(process.executor.call_urgently, process.is_on_rclpy_thread)
         written = process.arguments.written_for(node.get_fully_qualified_name())
         overrides = Overrides(self._values, self._given, own_first(written, prefix))
-        self._parameters = RosParameters(
+        make_parameters = (
+            RosParameters if conductor is None else self._recorded_parameters(conductor)
+        )
+        self._parameters = make_parameters(
             node,
             overrides,
             questions,
@@ -125,7 +139,7 @@ class RosNode(NodeConnection):
         self._retirement = Retirement(node)
         self._subscriptions: list[RosSubscription] = []
         self._lifecycle_services: list[LifecycleServices] = []
-        self._timers = Timers(clock, process.executor.call_soon)
+        self._timers = Timers(clock, process.executor.call_soon, conductor)
         self._sim_time = SimTimeWatch(node, clock, process.executor, self._logger.warning)
         self._spinner = Spinner(process.context, node, self._report, on_context_end)
         process.spinners.append(self._spinner)
@@ -154,8 +168,13 @@ class RosNode(NodeConnection):
         self._process.check_open()
         courier = courier_of(msg_type, self._process.conversions)
         profile = to_profile(qos_profile, topic)
+        if self._conductor is not None:
+            self._resolved(self._conductor, topic)
         inner = self._create("publisher", courier.ros_type, topic, profile)
-        publisher = RosPublisher(inner, courier, self._refusals)
+        make: Callable[..., RosPublisher] = RosPublisher
+        if self._conductor is not None:
+            make = partial(RecordedPublisher, conductor=self._conductor)
+        publisher = make(inner, courier, self._refusals)
         self._publishers.append(publisher)
         self._process.taps.add_publisher(publisher)
         return publisher
@@ -171,7 +190,11 @@ class RosNode(NodeConnection):
         self._process.check_open()
         courier = courier_of(msg_type, self._process.conversions)
         profile = to_profile(qos_profile, topic)
-        subscription = RosSubscription(
+        make: Callable[..., RosSubscription] = RosSubscription
+        if self._conductor is not None:
+            name = self._resolved(self._conductor, topic)
+            make = partial(RecordedSubscription, conductor=self._conductor, topic=name)
+        subscription = make(
             courier, callback, queue_depth(profile), self._process.executor.call_soon, self._logger
         )
         deliver = subscription.deliver
@@ -186,6 +209,7 @@ class RosNode(NodeConnection):
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> None:
         """Destroy a publisher; ROS sees it until its last messages have arrived."""
+        self._note_outside("destroys a publisher")
         if isinstance(publisher, RosPublisher) and publisher in self._publishers:
             self._publishers.remove(publisher)
             self._process.taps.remove_publisher(publisher)
@@ -194,6 +218,7 @@ class RosNode(NodeConnection):
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
         """Destroy a subscription."""
+        self._note_outside("destroys a subscription")
         if isinstance(subscription, RosSubscription) and subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
             self._process.taps.remove_subscription(subscription)
@@ -223,10 +248,12 @@ class RosNode(NodeConnection):
 
     def destroy_service(self, service: Service) -> None:
         """Destroy a service."""
+        self._note_outside("destroys a service")
         self._services.destroy_service(service)
 
     def destroy_client(self, client: Client[Any, Any]) -> None:
         """Destroy a client."""
+        self._note_outside("destroys a client")
         self._services.destroy_client(client)
 
     def create_timer(self, period_s: float, callback: Callable[[], object]) -> Timer:
@@ -237,7 +264,10 @@ class RosNode(NodeConnection):
 
     def timer_now_ns(self) -> int:
         """Return the time of `/clock` while `use_sim_time` is true, else monotonic time."""
-        return self._timers.now_ns()
+        if self._conductor is None:
+            return self._timers.now_ns()
+        now_ns: Any = self._conductor.fact(self._timers.now_ns)
+        return int(now_ns)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Destroy a timer."""
@@ -284,9 +314,10 @@ class RosNode(NodeConnection):
         self._parameters.watch_transitions(node.describe_transition)
         # A program may ask for a transition of its own node, and wait.
         call_urgently = self._process.executor.call_urgently
-        self._lifecycle_services.append(
-            LifecycleServices(self.node, node, call_urgently, self._logger)
-        )
+        make: Callable[..., LifecycleServices] = LifecycleServices
+        if self._conductor is not None:
+            make = partial(RecordedLifecycleServices, conductor=self._conductor, clock=self.clock)
+        self._lifecycle_services.append(make(self.node, node, call_urgently, self._logger))
 
     def prepared_sender(
         self, publisher: Publisher[MessageT], template: MessageT, varying: Sequence[str]
@@ -360,6 +391,39 @@ class RosNode(NodeConnection):
         self.node.destroy_node()
         return True
 
+    # Only while the program is recorded.
+
+    def _recorded_clock(self, conductor: Conductor, clock: RosClock) -> Clock:
+        """Note the names of the node, and return its clock, whose readings are noted."""
+        found(conductor, lambda: [self.node_name, self.log_name])
+        self.node.native_listener = lambda: conductor.spoil(
+            f"the program uses the rclpy node {self.node_name} itself, which a replay lacks"
+        )
+        recorded: RecordedClock = conductor.clock  # type: ignore[assignment]  # of a recorder
+        return recorded.beside(clock)
+
+    def _recorded_parameters(self, conductor: Conductor) -> Callable[..., RosParameters]:
+        urgently = self._process.executor.call_urgently
+        return partial(
+            RecordedParameters,
+            conductor=conductor,
+            now_ns=self.clock.now_ns,
+            call_urgently=urgently,
+        )
+
+    def _resolved(self, conductor: Conductor, topic: str) -> str:
+        """Note the full name of a topic, which may be remapped."""
+
+        def resolve() -> str:
+            resolve_topic(topic, self.node_name)
+            return str(self.node.resolve_topic_name(topic))
+
+        return found(conductor, resolve)
+
+    def _note_outside(self, what: str) -> None:
+        if self._conductor is not None and not self._conductor.is_inside:
+            self._conductor.spoil(f"a thread of the program's own {what}")
+
     def _welcome(self, inner: Any) -> None:
         """Note a new publisher of rclpy, of rosbase or of the program."""
         self._process.taps.welcome(inner)
@@ -399,7 +463,7 @@ class RosNode(NodeConnection):
         finally:
             if self._overrides.is_unused:
                 # When whoever creates topics has created them all.
-                self._process.executor.call_soon(self._overrides.name_near_misses)
+                self._process.executor.call_aside(self._overrides.name_near_misses)
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # rmw would refuse it too, but rclpy says nothing then of topics and types.

@@ -134,7 +134,7 @@ class RosParameters:
         """
         if self._node.has_parameter(spec.name):
             raise ParameterError(f"parameter {spec.name} is declared twice")
-        value = self._overrides.value_of(spec)
+        value = self._value_of(spec)
         try:
             # Not by rclpy, which knows the overrides by the types that rcl guesses.
             declare = partial(self._node.declare_parameter, ignore_override=True)
@@ -148,6 +148,9 @@ class RosParameters:
         self._rules.add(spec)
         self.general_names.add(spec.general_name)
         return Parameter(spec.name, value)
+
+    def _value_of(self, spec: ParameterSpec) -> ParameterValue:
+        return self._overrides.value_of(spec)
 
     def get(self, name: str) -> Parameter[Any]:
         """Return the parameter with its current value.
@@ -243,9 +246,8 @@ class RosParameters:
             self._refusals.judge("/parameter_events", error)
 
     def _check(self, parameters: list[Any]) -> Any:
-        ours = [p for p in parameters if self._rules.find(p.name) is not None]
         try:
-            checked = self._rules.check([Parameter(p.name, _plain(p.value)) for p in ours])
+            checked = self._checked(parameters)
         except ParameterError as error:
             return RosResult(successful=False, reason=str(error))
         if checked and self._rules.has_callbacks:
@@ -254,6 +256,10 @@ class RosParameters:
             answer = self._questions.ask(lambda: self._rules.ask(checked), refused)
             return RosResult(successful=bool(answer.successful), reason=answer.reason)
         return RosResult(successful=True)
+
+    def _checked(self, parameters: list[Any]) -> list[Parameter[Any]]:
+        ours = [p for p in parameters if self._rules.find(p.name) is not None]
+        return self._rules.check([Parameter(p.name, _plain(p.value)) for p in ours])
 
 
 def _plain(value: Any) -> Any:

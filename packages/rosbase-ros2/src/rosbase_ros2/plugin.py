@@ -1,6 +1,7 @@
 """Register the backend `ros2`, and its check. Imports rclpy only when it is chosen."""
 
 from collections.abc import Iterable
+from typing import Any
 
 from rosbase import (
     Backend,
@@ -9,6 +10,7 @@ from rosbase import (
     CheckContext,
     CheckPlugin,
     Finding,
+    MessageFormat,
     hookimpl,
 )
 
@@ -24,6 +26,12 @@ def _create(options: BackendOptions) -> Backend:
     return Ros2Backend(options)
 
 
+def _message_format(msg_type: Any) -> MessageFormat:
+    from rosbase_ros2.formats import plugin_conversions, written_format
+
+    return written_format(msg_type, plugin_conversions())
+
+
 def _check(context: CheckContext) -> Iterable[Finding]:
     from rosbase_ros2.check import check_ros
 
@@ -33,7 +41,13 @@ def _check(context: CheckContext) -> Iterable[Finding]:
 @hookimpl
 def rosbase_backends() -> Iterable[BackendPlugin]:
     """Return the backend on rclpy."""
-    yield BackendPlugin("ros2", "a ROS 2 node, by rclpy", _create, arguments_after="--ros-args")
+    yield BackendPlugin(
+        "ros2",
+        "a ROS 2 node, by rclpy",
+        _create,
+        arguments_after="--ros-args",
+        message_format=_message_format,
+    )
 
 
 @hookimpl

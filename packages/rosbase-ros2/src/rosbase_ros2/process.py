@@ -6,6 +6,7 @@ from typing import Any
 from attrs import define, field
 
 from rosbase import BackendError, BackendOptions, Executor, NewEnds, Tap, one_line
+from rosbase.entries.conductor import Conductor
 from rosbase_ros2.conversion import Conversions
 from rosbase_ros2.log_file import LogFile
 from rosbase_ros2.shared_node import SharedNode
@@ -33,6 +34,8 @@ class Process:
     conversions: Conversions
     new_ends: NewEnds
     """Tells of new publishers and subscriptions."""
+    conductor: Conductor | None = None
+    """Records the program; None for most programs."""
     log_file: LogFile | None = field(init=False, default=None)
     """Log file of ROS, if there is one."""
     nodes: list[SharedNode] = field(init=False, factory=list)

@@ -29,12 +29,23 @@ class Questions:
         self._call_soon = call_soon
         self._is_foreign = is_foreign
 
-    def ask(self, question: Callable[[], AnswerT], without: Callable[[str], AnswerT]) -> AnswerT:
+    @property
+    def is_foreign(self) -> bool:
+        """Whether the caller is on rclpy's thread."""
+        return self._is_foreign()
+
+    def ask(
+        self,
+        question: Callable[[], AnswerT],
+        without: Callable[[str], AnswerT],
+        queue: Callable[[Callable[[], object]], object] | None = None,
+    ) -> AnswerT:
         """Return the answer of the main loop.
 
         Args:
             question: Called on the main loop, unless it comes too late.
             without: Makes the answer from a reason, if the main loop does not answer.
+            queue: Queues a call for the main loop; by default, as given to the constructor.
         """
         if not self._is_foreign():
             return question()
@@ -50,7 +61,7 @@ class Questions:
                 finally:
                     is_answered.set()
 
-        self._call_soon(answer)
+        (queue or self._call_soon)(answer)
         is_answered.wait(_PATIENCE_S)
         if not answers and is_open.acquire(blocking=False):
             return without(f"the main loop has not answered for {_PATIENCE_S:g} s")

@@ -14,7 +14,9 @@ from functools import partial
 from typing import Any, TypeVar
 from weakref import WeakValueDictionary
 
+from attrs import frozen
 from rclpy.exceptions import InvalidHandle
+from rclpy.serialization import deserialize_message, serialize_message
 
 from rosbase import (
     Executor,
@@ -25,6 +27,7 @@ from rosbase import (
     ServiceType,
     one_line,
 )
+from rosbase.entries.entrance import Form
 from rosbase_ros2.refusals import RCLError, Refusals
 from rosbase_ros2.service_courier import ServiceCourier
 from rosbase_ros2.service_server import Received, RosService
@@ -65,6 +68,7 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         self.inner = inner
         """Client of rclpy."""
         self._request, self._response = courier.request, courier.response
+        self._is_native = courier.is_native
         self._isolate = copy.deepcopy if courier.is_native else _same
         self._find_own = find_own
         self._on_send = on_send
@@ -87,7 +91,16 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service is there."""
-        return not self.is_closed and (self._find_own() is not None or self._is_there())
+        if self._entrance is not None:
+            return self._entrance.ask(self._is_ready)
+        return self._is_ready()
+
+    def response_form(self) -> Form:
+        """Return the form of the answers, for a recording."""
+        kind = self._response_type
+        if not self._is_native:
+            return super().response_form()
+        return _Form(lambda answer: bytes(serialize_message(answer)), partial(_read, kind))
 
     def send(self, call: ServiceCall[RequestT, ResponseT]) -> None:
         """Send the request of a call as soon as the service is there."""
@@ -126,6 +139,9 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         self._was_there = is_there
         return True
 
+    def _is_ready(self) -> bool:
+        return not self.is_closed and (self._find_own() is not None or self._is_there())
+
     def _is_there(self) -> bool:
         try:
             return bool(self.inner.service_is_ready())
@@ -147,6 +163,12 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
         service = self._find_own()
         if service is None:
             return False
+        entrance = self._entrance
+        if entrance is not None and not entrance.conductor.is_inside:
+            # A replay does not know that the service was there only now.
+            entrance.conductor.spoil(
+                f"{self.service_name}: a call has waited for the program itself"
+            )
 
         def arrive(response: Any) -> None:
             self._arrive(call, self._isolate(response))
@@ -183,6 +205,16 @@ class RosClient(ServiceClient[RequestT, ResponseT]):
             call.set_exception(ServiceFailedError(self.service_name, reason))
         else:
             call.set_result(answer)
+
+
+@frozen
+class _Form:
+    encode: Callable[[Any], bytes]
+    decode: Callable[[bytes], Any]
+
+
+def _read(kind: Any, data: bytes) -> Any:
+    return deserialize_message(data, kind)
 
 
 class _Answer:

@@ -16,8 +16,10 @@ from rosbase import (
     resolve_topic,
     service_answer,
 )
+from rosbase.contracts.recorded_answers import found
 from rosbase.wire.values import name_of
 from rosbase_ros2.process import Process
+from rosbase_ros2.recorded_ends import RecordedService
 from rosbase_ros2.refusals import Refusals
 from rosbase_ros2.service_client import RosClient
 from rosbase_ros2.service_courier import ServiceCourier, service_courier
@@ -87,7 +89,11 @@ class Services:
         def create(name: str, courier: ServiceCourier) -> RosService:
             if any(name == known for known, _ in self._known("services")):
                 raise ValueError("there is one in this process already")
-            service = RosService(
+            conductor = self._process.conductor
+            make = (
+                RosService if conductor is None else partial(RecordedService, conductor=conductor)
+            )
+            service = make(
                 name,
                 courier,
                 service_answer(srv_type, name, callback),
@@ -181,13 +187,19 @@ class Services:
         check_service_type(srv_type, srv_name)
         resolve_topic(srv_name, self._node.get_fully_qualified_name().removeprefix("/"), "service")
         try:
-            name = self._node.resolve_service_name(srv_name)
+            name = self._resolve(srv_name)
             courier = service_courier(srv_type)
             self._check_type(name, courier.ros_type)
             return create(name, courier)
         except Exception as error:
             reason = f"service {srv_name!r}: {self._refusals.reason(error)}"
             raise BackendError(reason) from error
+
+    def _resolve(self, srv_name: str) -> str:
+        conductor = self._process.conductor
+        if conductor is None:
+            return str(self._node.resolve_service_name(srv_name))
+        return found(conductor, lambda: str(self._node.resolve_service_name(srv_name)))
 
     def _check_type(self, name: str, ros_type: type) -> None:
         # In ROS, ends of different types do not find each other, and nobody says so.

@@ -119,6 +119,7 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
     _node_logger: NodeLogger | None = None
     _own_group: CallbackGroup | None = None
     publisher_listener: Callable[[Any], object] | None = None
+    native_listener: Callable[[], object] | None = None
 
     def __init__(self, name: str, **options: Any) -> None:
         """Create the node. It publishes no `/rosout`; for that there are `log_listeners`.
@@ -135,6 +136,8 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         """Called with each record of the node's logger."""
         self.publisher_listener = None
         """Called with each publisher of rclpy that is created from now on."""
+        self.native_listener = None
+        """Called when the program itself uses the node for something that publishes or waits."""
         # For the services of rclpy itself, such as those of parameters.
         self._own_group = ServiceGroup(self._warn)
         super().__init__(name, enable_rosout=False, **options)
@@ -183,6 +186,8 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         )
         if self.publisher_listener is not None:
             self.publisher_listener(publisher)
+            if not isinstance(options.get("callback_group"), OwnGroup):
+                self.note_native()
         return publisher
 
     def create_subscription(
@@ -211,6 +216,11 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
             event_callbacks=events,
             **options,
         )
+
+    def note_native(self) -> None:
+        """Note that the program itself uses the node."""
+        if self.native_listener is not None:
+            self.native_listener()
 
     def _warn(self, what: str) -> None:
         self.get_logger().warning(what, throttle_duration_sec=_LOG_S)

@@ -14,10 +14,8 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 
-from rosbase import Tap, WireError
-from rosbase.wire.plain import decoder, encoder
-from rosbase.wire.schemas import schema_of
-from rosbase_ros2.formats import structure_of
+from rosbase import Tap
+from rosbase_ros2.formats import rewriter
 from rosbase_ros2.shared_node import SharedNode
 from rosbase_ros2.topics import RosPublisher, RosSubscription
 
@@ -221,23 +219,8 @@ class _OwnMessages:
     def _written_mark(self, message: Any) -> "_Mark":
         data = message if isinstance(message, bytes) else bytes(serialize_message(message))
         if self._rewrite is None:
-            self._rewrite = _rewriter(self._ros_type)
+            self._rewrite = rewriter(self._ros_type)
         return _mark(self._rewrite(data))
-
-
-def _rewriter(ros_type: Any) -> Callable[[bytes], bytes]:
-    own = structure_of(ros_type)
-    text = schema_of(own)
-    read, write = decoder(own.name, text), encoder(own.name, text)
-
-    def rewrite(data: bytes) -> bytes:
-        try:
-            return write(read(data))
-        except (ValueError, WireError):
-            # A text that rosbase would not send; it is compared as it is.
-            return data
-
-    return rewrite
 
 
 def _tapped(

@@ -14,6 +14,8 @@ from rclpy.clock import JumpThreshold
 from rclpy.duration import Duration
 
 from rosbase import ExecutorTimer
+from rosbase.entries.conductor import Conductor
+from rosbase.entries.kinds import Kind, TimerOp
 from rosbase_ros2.clock import RosClock
 
 __all__ = ["RosTimer", "Timers"]
@@ -70,14 +72,21 @@ class RosTimer:
 class Timers:
     """The timers of one rclpy node."""
 
-    def __init__(self, clock: RosClock, call_soon: Callable[[Callable[[], object]], None]) -> None:
+    def __init__(
+        self,
+        clock: RosClock,
+        call_soon: Callable[[Callable[[], object]], None],
+        conductor: Conductor | None = None,
+    ) -> None:
         """Start watching the clock.
 
         Args:
             clock: The clock of the node.
             call_soon: Queues a function for the main loop.
+            conductor: Records the program, if it is recorded.
         """
         self._clock = clock
+        self._conductor = conductor
         self._call_soon = call_soon
         self._timers: list[RosTimer] = []
         # Whoever sets `use_sim_time`, and whoever hears `/clock`, moves timers on its thread.
@@ -140,7 +149,16 @@ class Timers:
         for timer in self._timers:
             if timer.is_running and timer.move_to(now_ns) and not timer.is_queued:
                 timer.is_queued = True
-                self._call_soon(partial(_call, timer, timer.life))
+                self._queue(timer, partial(_call, timer, timer.life))
+
+    def _queue(self, timer: RosTimer, call: Callable[[], object]) -> None:
+        queue = partial(self._call_soon, call)
+        if self._conductor is None:
+            queue()
+        else:
+            # Set by the executor of a recorded program.
+            number: int = getattr(timer.machine, "number", -1)
+            self._conductor.come_in(Kind.TIMER_OP, (number, TimerOp.DUE), b"", queue)
 
     def _start(self, timer: RosTimer) -> None:
         self._stop(timer)

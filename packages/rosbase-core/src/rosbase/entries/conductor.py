@@ -36,6 +36,11 @@ class Conductor(Protocol):
         ...
 
     @property
+    def is_of_middleware(self) -> bool:
+        """Whether this is a replay of a program whose messages left its process."""
+        ...
+
+    @property
     def clock(self) -> "Clock":
         """The clock of the program, whose `conductor` is this."""
         ...

@@ -187,6 +187,8 @@ class TimerOp(IntEnum):
     RESET = 1
     CANCEL = 2
     DESTROY = 3
+    DUE = 4
+    """It was due by a clock that comes from outside: its callback waits among the calls."""
 
 
 NUMBERED: dict[int, Numbered] = {

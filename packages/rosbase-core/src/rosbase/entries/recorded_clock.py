@@ -29,20 +29,22 @@ class RecordedClock:
             turn: Whether a reading is inside the program.
             trace: Where readings are noted.
         """
-        self.machine = machine
-        """The clock that it reads, for code outside of the program."""
         self.conductor = conductor
+        self._turn, self._trace = turn, trace
         self.start_ns = machine.monotonic_ns()
         """Monotonic time of the start of the run."""
         self.start_date_ns = machine.now_ns()
         """Date of the start of the run, in nanoseconds since the Unix epoch."""
-        read = _noted(machine.monotonic_ns, Kind.READ_MONO, self.start_ns, turn, trace)
-        self.monotonic_ns = read
-        self.now_ns = _noted(machine.now_ns, Kind.READ_DATE, self.start_date_ns, turn, trace)
-        self.suspended_ns = _noted(machine.suspended_ns, Kind.READ_SLEPT, 0, turn, trace)
         self.log_now_ns = _noted(machine.now_ns, Kind.READ_LOG, self.start_date_ns, turn, trace)
         """Return the date for a log record."""
-        self.sleep = machine.sleep
+        self._read(machine)
+
+    def beside(self, machine: Clock) -> "RecordedClock":
+        """Return a clock of the same program that reads another one, such as that of a node."""
+        other = object.__new__(RecordedClock)
+        vars(other).update(vars(self))
+        other._read(machine)
+        return other
 
     def now(self) -> Time:
         """Return the date as a stamp; zero if ROS cannot carry it."""
@@ -51,6 +53,16 @@ class RecordedClock:
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:
         """Return a function that waits for a lock, for a limited number of seconds."""
         return self.machine.waiter(wakeup)
+
+    def _read(self, machine: Clock) -> None:
+        turn, trace = self._turn, self._trace
+        self.machine = machine
+        """The clock that it reads, for code outside of the program."""
+        read = _noted(machine.monotonic_ns, Kind.READ_MONO, self.start_ns, turn, trace)
+        self.monotonic_ns = read
+        self.now_ns = _noted(machine.now_ns, Kind.READ_DATE, self.start_date_ns, turn, trace)
+        self.suspended_ns = _noted(machine.suspended_ns, Kind.READ_SLEPT, 0, turn, trace)
+        self.sleep = machine.sleep
 
     if not TYPE_CHECKING:  # to a type checker, it would have every attribute
 

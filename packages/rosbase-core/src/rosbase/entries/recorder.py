@@ -19,7 +19,7 @@ from rosbase.entries.outcomes import error_to_json
 from rosbase.entries.payloads import Json, Payload, to_json
 from rosbase.entries.recorded_clock import RecordedClock
 from rosbase.entries.recorded_executor import RecordedExecutor
-from rosbase.entries.sink import EndFacts, RecordingSink, RunFacts
+from rosbase.entries.sink import IN_PROCESS, EndFacts, RecordingSink, RunFacts
 from rosbase.entries.trace import Trace
 from rosbase.entries.turn import Turn
 
@@ -54,6 +54,7 @@ class Recorder:
     """Records the entries of one program. The thread that builds it holds the turn from now on."""
 
     is_replay = False
+    is_of_middleware = False
 
     def __init__(
         self,
@@ -114,7 +115,8 @@ class Recorder:
         self._log.begin()
         if self._sink is not None:
             clock = self.clock
-            facts = RunFacts(clock.start_date_ns, clock.start_ns, self._facts)
+            more = {**self._facts, IN_PROCESS: backend.delivers_in_process}
+            facts = RunFacts(clock.start_date_ns, clock.start_ns, more)
             self._sink.begin(backend, self, self.trace, facts)
 
     def end(self, error: BaseException | None) -> None:

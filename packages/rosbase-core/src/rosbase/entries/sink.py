@@ -10,7 +10,10 @@ from rosbase.entries.trace import Trace
 if TYPE_CHECKING:
     from rosbase.entries.conductor import Conductor
 
-__all__ = ["EndFacts", "RecordingSink", "RunFacts"]
+__all__ = ["IN_PROCESS", "EndFacts", "RecordingSink", "RunFacts"]
+
+IN_PROCESS = "delivers_in_process"
+"""Fact: whether messages reached subscriptions of the program without leaving its process."""
 
 
 @frozen

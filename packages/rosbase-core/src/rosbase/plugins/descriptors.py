@@ -9,6 +9,7 @@ from attrs import Attribute, field, frozen, validators
 from rosbase import messages
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.checks import CheckContext, Finding
+from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.recording import Recording, RecordOptions
 from rosbase.contracts.transport import SimulatedDevice, Transport, TransportContext
 from rosbase.parameters import ParameterSpec, ParameterValue
@@ -44,6 +45,9 @@ class BackendPlugin:
     """Opens a backend."""
     arguments_after: str = field(default="", validator=validators.instance_of(str))
     """Word on a command line, such as `--ros-args`, that begins the backend's own arguments."""
+    message_format: Callable[[Any], MessageFormat] | None = None
+    """Returns the format of a class of messages that only this backend knows, for a replay, which
+    does not open it. TypeError for other classes."""
 
 
 @frozen

@@ -9,6 +9,8 @@ from typing import Any, TypeVar, cast
 import pluggy
 from attrs import evolve
 
+from rosbase.contracts.graph import type_name_of
+from rosbase.contracts.message_format import MessageFormat
 from rosbase.errors import NotInstalledError, PluginError
 from rosbase.plugins import hookspec
 from rosbase.plugins.descriptors import (
@@ -132,6 +134,21 @@ class PluginRegistry:
                 install.
         """
         return self._find(RecorderPlugin, name)
+
+    def message_format(self, msg_type: Any) -> MessageFormat:
+        """Return the format of a class of messages that a backend knows, without opening it.
+
+        Raises:
+            TypeError: None of those that are installed knows it.
+        """
+        for plugin in self._of(BackendPlugin).values():
+            if plugin.message_format is not None:
+                try:
+                    return plugin.message_format(msg_type)
+                except (ImportError, NotInstalledError, TypeError):
+                    # Its middleware may not be installed.
+                    continue
+        raise TypeError(f"{type_name_of(msg_type)} is not known without its middleware")
 
     def create_conversion(
         self, msg_type: type, backend: str, accept: Callable[[Any], AcceptedT]

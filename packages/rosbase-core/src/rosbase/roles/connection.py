@@ -8,6 +8,7 @@ from attrs import evolve
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.node_connection import NodeConnection
+from rosbase.entries.conductor import conductor_of
 from rosbase.entries.current import conducted, set_running
 from rosbase.logger import RosbaseLogger, make_logger
 from rosbase.logger.environment import apply_environment
@@ -54,6 +55,14 @@ def _open(name: str | None, options: BackendOptions) -> Backend:
     from rosbase.plugins import installed_plugins
 
     options = evolve(options, is_child=is_child(), clock=conducted(options.clock))
+    conductor = conductor_of(options.clock)
+    if conductor is not None and conductor.is_of_middleware:
+        from rosbase.local.replayed.backend import ReplayedBackend
+
+        return ReplayedBackend(options)
+    if conductor is not None and conductor.is_replay:
+        # Messages that are replayed need no middleware either.
+        name = DEFAULT_BACKEND
     return installed_plugins().backend(backend_name(name)).create(options)
 
 

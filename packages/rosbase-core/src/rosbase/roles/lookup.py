@@ -30,11 +30,8 @@ def find_component(
     """
     if not isinstance(component_class, type):
         raise TypeError(f"{role}() takes a class, and then perhaps a name; not {component_class!r}")
-    if name is None:
-        # Programs ask several times in a tick.
-        found = [it for it in components.values() if isinstance(it, component_class)]
-        if len(found) == 1:
-            return found[0]
+    if name is None and (only := _only_one(components, component_class)) is not None:
+        return only
     wanted = component_class.__name__
     if name is not None:
         named = components.get(name)
@@ -52,6 +49,20 @@ def find_component(
         f"{', '.join(others)} and {last} are of class {wanted}; "
         f"choose one, as in {role}({wanted}, {names[0]!r})"
     )
+
+
+def _only_one(
+    components: Mapping[str, object], component_class: type[ComponentT]
+) -> ComponentT | None:
+    """Return the only component of a class; None if there is none, or several."""
+    # In a loop, which takes half as long as a list: programs ask several times in a tick.
+    found = None
+    for component in components.values():
+        if isinstance(component, component_class):
+            if found is not None:
+                return None
+            found = component
+    return found
 
 
 def _registered(components: Mapping[str, object]) -> str:

@@ -19,7 +19,7 @@ from rosbase.entries.replaying.replayed_clock import ReplayedClock
 from rosbase.entries.replaying.replayed_executor import ReplayedExecutor
 from rosbase.entries.replaying.virtual_clock import VirtualClock
 from rosbase.entries.script import NO_NOTES, Entry
-from rosbase.entries.sink import EndFacts, RecordingSink, RunFacts
+from rosbase.entries.sink import IN_PROCESS, EndFacts, RecordingSink, RunFacts
 from rosbase.entries.trace import Trace
 from rosbase.entries.turn import Turn
 
@@ -71,6 +71,8 @@ class Player:
         self.clock: ReplayedClock = ReplayedClock(self, self.machine, self.turn)
         self.facts = facts
         """Facts of the recorded run."""
+        self.is_of_middleware = not facts.more.get(IN_PROCESS, True)
+        """Whether messages of the recorded program left its process."""
         self.difference: FlowDifference | None = None
         """The first difference of the flow; None if the program has followed the script."""
         self.spoiled = ""

@@ -90,7 +90,6 @@ class ReplayedClock:
             if self._notes.mono:
                 return self.machine.mono_read(self._notes.mono.popleft())
             self._more += 1
-            self.machine.look()
         return self.machine.monotonic_ns()
 
     def suspended_ns(self) -> int:

@@ -1,6 +1,7 @@
 """The executor of a program that is replayed: it runs what the script says, and never sleeps."""
 
 from collections.abc import Callable
+from functools import partial
 from threading import get_ident
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ _OF_LOOP = frozenset({Kind.TICK, Kind.LOOK, _RETURN})
 class ReplayedTimer(ExecutorTimer):
     """A timer with a number, which knows when it is due."""
 
-    __slots__ = ("due_ns", "number")
+    __slots__ = ("due_ns", "life", "number")
 
     def __init__(
         self, executor: "ReplayedExecutor", period_ns: int, callback: Callable[[], object]
@@ -39,6 +40,8 @@ class ReplayedTimer(ExecutorTimer):
         """How many timers were created before; -1 for one of another thread."""
         self.due_ns = 0
         """Deadline of the next call, on the monotonic clock."""
+        self.life = 0
+        """How often it was started and stopped; a call queued before that does not count."""
 
 
 class ReplayedExecutor(Executor):
@@ -125,12 +128,14 @@ class ReplayedExecutor(Executor):
     def start_timer(self, timer: ExecutorTimer) -> None:
         """Restart a timer; a request of another thread comes from the script."""
         if self.player.is_inside:
+            _end_life(timer)
             super().start_timer(timer)
 
     def cancel_timer(self, timer: ExecutorTimer, *, destroy: bool = False) -> None:
         """Stop a timer; a request of another thread comes from the script."""
         if not self.player.is_inside:
             return
+        _end_life(timer)
         super().cancel_timer(timer, destroy=destroy)
         if destroy and isinstance(timer, ReplayedTimer):
             self._timers_by_number.pop(timer.number, None)
@@ -211,7 +216,11 @@ class ReplayedExecutor(Executor):
 
     def _operate(self, timer: ReplayedTimer, entry: Entry) -> None:
         """Do what another thread did with a timer."""
-        if entry.ints[2] == TimerOp.RESET:
+        if entry.ints[2] == TimerOp.DUE:
+            # The machine's clock does not count for it.
+            super().cancel_timer(timer)
+            self.call_soon(partial(_call_if_alive, timer, timer.life))
+        elif entry.ints[2] == TimerOp.RESET:
             self.start_timer(timer)
         else:
             self.cancel_timer(timer, destroy=entry.ints[2] == TimerOp.DESTROY)
@@ -256,3 +265,13 @@ class ReplayedExecutor(Executor):
         machine, inputs = self._machine, self.player.inputs
         while (next_ns := inputs.next_ns) is not None and next_ns < machine.t_ns:
             inputs.play_one()
+
+
+def _end_life(timer: ExecutorTimer) -> None:
+    if isinstance(timer, ReplayedTimer):
+        timer.life += 1
+
+
+def _call_if_alive(timer: ReplayedTimer, life: int) -> None:
+    if timer.life == life:
+        timer.callback()

@@ -54,7 +54,12 @@ class VirtualClock:
         return self._date_ns + self.t_ns
 
     def monotonic_ns(self) -> int:
-        """Return the monotonic time, as the recorded program saw it."""
+        """Return the monotonic time, as the recorded program saw it.
+
+        Raises:
+            RuntimeError: Millions of readings, and time stands still.
+        """
+        self.look()
         return self.start_ns + self.t_ns
 
     def suspended_ns(self) -> int:
