@@ -291,3 +291,30 @@ def test_a_program_that_would_record_itself_does_not_in_a_replay(path: Path) -> 
     run = replay(path, replayed_as(Robot, again))
     assert run.difference == ""
     assert not again.exists()
+
+
+class Opaque:
+    """Has no schema."""
+
+
+class Secretive(Robot):
+    """Has a topic, and another with a message, that cannot be recorded."""
+
+    def __init__(self, record: Path | None = None) -> None:
+        super().__init__(record)
+        node, wrong = self.node(Talker), Vector3()
+        node.create_publisher(Opaque, "opaque", 10).publish(Opaque())
+        object.__setattr__(wrong, "x", "text")
+        node.create_publisher(Vector3, "wrong", 10).publish(wrong)
+
+
+def test_what_cannot_be_recorded_is_no_difference(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / "run.mcap"
+    Secretive(path).start()
+    assert "/opaque is not recorded" in caplog.text
+    assert "a message of /wrong is not recorded" in caplog.text
+    run = replay(path, replayed_as(Secretive))
+    assert (run.difference, run.cut_short) == ("", "")
+    assert not [line.msg for line in run.log if "not recorded" in line.msg]
