@@ -26,6 +26,7 @@ class Talker(BaseNode):
     """Publishes what depends on the order of timers, and on the clock."""
 
     gain = 1.0
+    period_s = 0.007
     has_second_timer = True
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -35,7 +36,7 @@ class Talker(BaseNode):
         self.point = self.create_publisher(Vector3, "point", 10)
         self.out = self.create_publisher(Vector3, "out", 10)
         self.create_subscription(Vector3, "point", self.on_point, 10)
-        self.create_timer(0.007, self.on_first)
+        self.create_timer(self.period_s, self.on_first)
         if self.has_second_timer:
             self.create_timer(0.017, self.on_second)
 
@@ -58,10 +59,11 @@ class Robot(BaseManager):
 
     fails = False
     ticks = TICKS
+    rate_hz = 200.0
 
     def __init__(self, record: Path | RecordOptions | None = None) -> None:
         nodes = {"talker": Talker, "arm": LifecycleNode}
-        super().__init__("robot", nodes, node_freq_hz=200, record=record)
+        super().__init__("robot", nodes, node_freq_hz=self.rate_hz, record=record)
         self.own = self.node(Talker).create_publisher(Vector3, "own", 10)
         self.is_over = threading.Event()
 
@@ -156,6 +158,22 @@ def test_a_timer_that_is_gone_is_found_and_the_replay_goes_on(
     # What came from outside still comes.
     assert len(run.topic("own")) > 10
     assert len(run.topic("out")) > 10
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("rate_hz", 100, "the main loop has rate 100 Hz, recorded 200 Hz"),
+        ("period_s", 0.07, "timer Talker.on_first has period 0.07 s, recorded 0.007 s"),
+    ],
+)
+def test_another_rate_or_period_is_a_difference(
+    name: str, value: float, text: str, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Robot if name == "rate_hz" else Talker, name, value)
+    run = replay(path, replayed)
+    assert run.difference.splitlines()[0].endswith(text)
+    assert len(run.topic("own")) > 10
 
 
 def test_an_error_that_ends_the_program_is_repeated(

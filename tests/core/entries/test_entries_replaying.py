@@ -13,7 +13,7 @@ from rosbase.entries.kinds import Kind, Numbered
 from rosbase.entries.recorder import Recorder
 from rosbase.entries.replaying.inputs import Input
 from rosbase.entries.replaying.player import Player
-from rosbase.entries.script import Entry, read_entries
+from rosbase.entries.script import Entry, Notes, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase.errors import DeviceNotFoundError
 from rosbase.runtime.executor import Executor
@@ -303,6 +303,27 @@ def test_a_timer_that_is_not_there_is_a_difference() -> None:
     assert player.difference.what == (
         "this timer does not run; in the recording: timer Program.note (00:00.500)"
     )
+
+
+def test_a_timer_with_another_period_is_a_difference_and_runs_with_it() -> None:
+    def run(period_ns: int, program: Program) -> None:
+        program.executor.create_timer(period_ns, partial(program.note, "timer"))
+        program.spin(1.2)
+
+    _, script = record(partial(run, S // 2))
+    heard, player = replay(partial(run, S // 4), script)
+    assert player.difference is not None
+    assert player.difference.what == ("timer Program.note has period 0.25 s, recorded 0.5 s")
+    assert len(heard) == 4
+    # Older recordings have no periods.
+    without = [entry._replace(notes=without_periods(entry.notes)) for entry in script]
+    assert replay(partial(run, S // 4), without)[1].difference is None
+
+
+def without_periods(notes: Notes) -> Notes:
+    found = Notes()
+    found.created = notes.created
+    return found
 
 
 def test_something_created_in_addition_is_a_difference() -> None:

@@ -10,7 +10,7 @@ from rosbase.entries.log_entrance import LogEntrance
 from rosbase.entries.outcomes import error_from_json
 from rosbase.entries.payloads import Json, Payload, from_json
 from rosbase.entries.replaying.entered import Entered
-from rosbase.entries.replaying.flow import FlowDifference, entry_text, joined
+from rosbase.entries.replaying.flow import FlowDifference, entry_text, joined, period_text
 from rosbase.entries.replaying.inputs import INPUTS, Input, Inputs, inputs_of
 from rosbase.entries.replaying.pace import Pace
 from rosbase.entries.replaying.posted import PostedCalls
@@ -99,6 +99,8 @@ class Player:
         self._threads: dict[int, str] = {}
         self._recent: deque[Entry] = deque(maxlen=_REMEMBERED)
         self._created: deque[tuple[int, str]] = deque()
+        # Recorded periods of objects that the program has not created yet.
+        self._periods: dict[tuple[int, int], int] = {}
         self._ticks = 0
         self._executor: ReplayedExecutor | None = None
         self._is_ended = False
@@ -242,6 +244,13 @@ class Player:
             self._pace.wait(entry.t_ns, self._is_over)
         return entry
 
+    def check_period(self, what: Numbered, number: int, period_ns: int) -> None:
+        """Compare how often something runs with the recording, which may not say it."""
+        recorded_ns = self._periods.pop((what, number), period_ns)
+        if recorded_ns != period_ns and not self.is_free:
+            text = self._registry.recorded_text(what, number)
+            self._leave(period_text(what, text, period_ns, recorded_ns))
+
     def play(self, entry: Entry) -> None:
         """Let an entry that came from outside come in."""
         kind = entry.kind
@@ -273,10 +282,9 @@ class Player:
             return
         recorded = entry or self.next
         if recorded is not None:
-            what += f"; in the recording: {self._text(recorded)}"
-            self.difference = self._flow_difference(what)
-        rest = [] if self.next is None else [self.next]
-        self._go_free(Inputs(inputs_of(self._rest(rest), self._play_free, self._stop)))
+            self._leave(f"{what}; in the recording: {self._text(recorded)}")
+        else:
+            self._go_on_freely()
 
     def interrupt(self) -> None:
         """Stop following the script, because a signal ends the replay. For signal handlers."""
@@ -317,6 +325,8 @@ class Player:
     def _note(self, entry: Entry) -> None:
         """Note what the entry creates, and whether the script ends with it."""
         self._note_created(entry)
+        for what, number, period_ns in entry.notes.periods:
+            self._periods[what, number] = period_ns
         if entry.notes.spoiled:
             self.spoiled = entry.notes.spoiled
             self._script = iter(())
@@ -361,10 +371,20 @@ class Player:
             yield coming
         yield Input(t_ns, self._stop)
 
+    def _leave(self, what: str) -> None:
+        """Note the first difference, and no longer follow the script."""
+        self.difference = self._flow_difference(what)
+        self._go_on_freely()
+
+    def _go_on_freely(self) -> None:
+        rest = [] if self.next is None else [self.next]
+        self._go_free(Inputs(inputs_of(self._rest(rest), self._play_free, self._stop)))
+
     def _go_free(self, inputs: Inputs) -> None:
         self.is_free = True
         self.next = None
         self._created.clear()
+        self._periods.clear()
         self.inputs = inputs
         self.clock.begin_free()
         if self._executor is not None:

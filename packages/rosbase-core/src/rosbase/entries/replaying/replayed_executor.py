@@ -119,6 +119,7 @@ class ReplayedExecutor(Executor):
         )
         if timer.number >= 0:
             self._timers_by_number[timer.number] = timer
+            self.player.check_period(Numbered.TIMER, timer.number, period_ns)
         timer.reset()
         return timer
 
