@@ -1,5 +1,6 @@
 """`rosbase info`, `recover`, `cut` and `export` on files."""
 
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,9 @@ from rosbase.messages import Header, Imu, PointStamped, Time, Vector3
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.reading import messages
+from rosbase_mcap.records import Kind
+from rosbase_mcap.recovery import count_damaged
+from rosbase_mcap.scanning import records_of
 
 S = 1_000_000_000
 
@@ -57,6 +61,40 @@ def test_info_reads_a_file_that_was_cut_off(path: Path, capsys: pytest.CaptureFi
     out = capsys.readouterr().out
     assert "messages:  8" in out
     assert "rosbase recover" in out
+
+
+def damaged(path: Path) -> Path:
+    """Turns a bit in the second chunk of a recording."""
+    with path.open("rb") as stream:
+        chunks = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    data = bytearray(path.read_bytes())
+    data[chunks[1].end - 1] ^= 1
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("words", [["info"], ["cut", "-o", "{}/cut.mcap"], ["export", "--csv"]])
+def test_a_damaged_chunk_is_named(
+    words: list[str], path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [word.format(path.parent) for word in words]
+    assert main([*words, str(path)]) == 0
+    assert capsys.readouterr().err == ""
+    for made in path.parent.glob("cut.mcap"):
+        made.unlink()
+    for made in path.parent.glob("run/*"):
+        made.unlink()
+    assert main([*words, str(damaged(path))]) == 0
+    assert capsys.readouterr().err == f"{path}: 1 damaged chunk: messages are missing\n"
+
+
+def test_zeros_within_a_file_are_damage_and_a_cut_is_none(path: Path) -> None:
+    data = path.read_bytes()
+    with path.open("rb") as stream:
+        chunks = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    middle = chunks[1].offset
+    assert count_damaged(BytesIO(data[: middle + 20])) == 0
+    assert count_damaged(BytesIO(data[:middle] + bytes(16) + data[middle + 16 :])) == 1
 
 
 def test_recover_mends_a_file_in_place(path: Path, capsys: pytest.CaptureFixture[str]) -> None:

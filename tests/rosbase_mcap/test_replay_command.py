@@ -12,8 +12,9 @@ from attrs import evolve
 from rosbase.cli import main
 from rosbase.entries.sink import RunFacts
 from rosbase_mcap.file_writer import FileWriter
-from rosbase_mcap.records import Channel, Metadata, Schema
+from rosbase_mcap.records import Channel, Kind, Metadata, Schema
 from rosbase_mcap.replaying.options import ReplayOptions
+from rosbase_mcap.scanning import records_of
 from rosbase_mcap.traces import Run, run_metadata
 
 S = 1_000_000_000
@@ -201,6 +202,18 @@ def test_a_recording_with_missing_messages_is_not_compared(
     path = recording(tmp_path / "run.mcap", run_metadata(RUN), lost)
     assert "3 messages are missing" in refused(capsys, path, "--check")
     assert replaced(path)
+
+
+def test_a_damaged_recording_is_not_compared(
+    whole: Path, capsys: pytest.CaptureFixture[str], replaced: Callable[..., Made]
+) -> None:
+    with whole.open("rb") as stream:
+        [chunk] = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    data = bytearray(whole.read_bytes())
+    data[chunk.end - 1] ^= 1
+    whole.write_bytes(data)
+    assert f"{whole} cannot be compared: 1 damaged chunk" in refused(capsys, whole, "--check")
+    assert replaced(whole)
 
 
 def test_a_file_that_is_none_is_refused_in_one_line(

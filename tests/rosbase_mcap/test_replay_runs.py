@@ -14,9 +14,11 @@ from rosbase.entries.script import read_entries
 from rosbase.messages import Vector3
 from rosbase_mcap import replay
 from rosbase_mcap.outputs import Output
+from rosbase_mcap.records import Kind
 from rosbase_mcap.replaying.options import ReplayOptions
 from rosbase_mcap.replaying.run_file import open_run
 from rosbase_mcap.replaying.session import Session
+from rosbase_mcap.scanning import records_of
 
 TICKS = 40
 LONG = 300
@@ -204,6 +206,15 @@ def test_a_recording_that_was_cut_off_is_replayed_up_to_there(
     path.write_bytes(data[:2_000])
     with pytest.raises(ConfigurationError, match="has no entry: its program was killed"):
         replay(path, replayed)
+
+
+def test_a_damaged_chunk_is_named_as_a_reason_for_a_difference(path: Path) -> None:
+    with path.open("rb") as stream:
+        first = next(found for found in records_of(stream) if found.kind == Kind.CHUNK)
+    data = bytearray(path.read_bytes())
+    data[first.end - 1] ^= 1
+    path.write_bytes(data)
+    assert "1 damaged chunk" in replay(path, replayed).difference.splitlines()[-1]
 
 
 def test_parts_of_a_recording_are_replayed_as_one(tmp_path: Path) -> None:

@@ -62,6 +62,8 @@ def run(arguments: Any) -> int:
     recorded = open_run(path) if is_mcap(path) else None
     options = _options(arguments, recorded)
     check_options(options, recorded)
+    if options.checks and recorded is not None:
+        recorded.check_undamaged()
     words = arguments.backend_arguments[1:]
     facts = recorded.run.facts.more if recorded is not None else {}
     argv = facts.get("argv")

@@ -1,6 +1,6 @@
 """`replay()`: a recording as a test of a program."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from rosbase.errors import ConfigurationError
 from rosbase.messages.lifecycle_msgs import TransitionEvent
 from rosbase.messages.rcl_interfaces import Log, ParameterEvent
 from rosbase.wire.plain import decoder
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.log_channel import LOG_TOPIC
 from rosbase_mcap.outputs import Output
 from rosbase_mcap.records import Schema
@@ -133,10 +134,21 @@ def replay(
         raise ConfigurationError(f"{program!r} is no manager and no standalone node")
     found = session.outcome.difference
     difference = "" if found is None else str(found)
-    reasons = differences(facts, "") if facts is not None and difference else []
+    reasons = _reasons(session, facts) if facts is not None and difference else []
     if reasons:
         difference += f"\nthis may be why: {'; '.join(reasons)}"
     return Replay(session, outputs, difference, error)
+
+
+def _reasons(session: Session, facts: Mapping[str, Any]) -> list[str]:
+    """Return why a replay may differ although the program is the same."""
+    reasons = differences(facts, "")
+    try:
+        if session.run is not None:
+            session.run.check_undamaged()
+    except McapError as error:
+        reasons.append(str(error))
+    return reasons
 
 
 def _run(session: Session, program: Any) -> Exception | None:

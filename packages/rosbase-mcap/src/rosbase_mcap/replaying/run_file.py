@@ -10,7 +10,7 @@ from attrs import evolve, frozen
 
 from rosbase.entries.trace import TraceBlock
 from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
-from rosbase_mcap.commands.opened import opened
+from rosbase_mcap.commands.opened import damage_text, opened
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.outputs import Output
 from rosbase_mcap.reading import contents, read_summary
@@ -40,6 +40,17 @@ class RunFile:
     def blocks(self) -> Iterator[TraceBlock]:
         """Yield the blocks of the trace, up to the first that is missing or damaged."""
         yield from blocks_of(self._attachments())
+
+    def check_undamaged(self) -> None:
+        """Check that all messages can be read; it reads all files.
+
+        Raises:
+            McapError: Some cannot.
+        """
+        for path in self.paths:
+            with opened(path) as stream:
+                if text := damage_text(stream):
+                    raise McapError(f"{path} cannot be compared: {text}")
 
     def outputs(self) -> Generator[Output, None, None]:
         """Yield what the program has published, in its order."""
