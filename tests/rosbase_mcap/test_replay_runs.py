@@ -1,5 +1,6 @@
 """A program that is recorded while it runs, and replayed from the file."""
 
+import errno
 import os
 import re
 import threading
@@ -13,6 +14,7 @@ from rosbase import BaseManager, BaseNode, ConfigurationError, LifecycleNode, Re
 from rosbase.entries.script import read_entries
 from rosbase.messages import Vector3
 from rosbase_mcap import replay
+from rosbase_mcap.output_file import OutputFile
 from rosbase_mcap.outputs import Output
 from rosbase_mcap.records import Kind
 from rosbase_mcap.replaying.options import ReplayOptions
@@ -231,6 +233,38 @@ def test_topics_that_were_not_recorded_are_not_compared(
     assert (run.difference, run.topics) == ("", ["/point"])
     monkeypatch.setattr(Talker, "gain", 2.0)
     assert replay(path, replayed).difference == ""
+
+
+def test_a_changed_program_that_ends_earlier_is_a_difference(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Robot, "ticks", TICKS // 2)
+    run = replay(path, replayed)
+    assert "the program ends at 00:00." in run.difference
+    assert "and the recording goes on to 00:00." in run.difference
+    assert run.cut_short == ""
+
+
+def test_a_recording_that_has_filled_the_disk_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain, blocks = OutputFile.write, list[bytes]()
+
+    def write(file: OutputFile, data: bytes) -> None:
+        # All but the end, which is short.
+        if len(blocks) == 2 and len(data) > 5_000:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        plain(file, data)
+        if b"rosbase/trace/" in data:
+            blocks.append(data)
+
+    monkeypatch.setattr(Robot, "ticks", LONG)
+    with monkeypatch.context() as patch:
+        patch.setattr(OutputFile, "write", write)
+        path = recorded(tmp_path / "run.mcap")
+    run = replay(path, replayed)
+    assert run.difference == ""
+    assert run.cut_short == "the recording has no end: [Errno 28] No space left on device"
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.7])

@@ -431,7 +431,10 @@ def test_a_program_that_ends_early_is_a_difference() -> None:
     script = recorded_again(partial(run, 3))
     _, player = replay(partial(run, 2), script)
     assert player.difference is not None
-    assert player.difference.what.startswith("the program ends")
+    assert player.difference.what == (
+        "the program ends at 00:00.200, and the recording goes on to 00:00.300"
+    )
+    assert player.last.kind is Kind.END
 
 
 def test_a_signal_ends_a_replay_without_a_difference() -> None:

@@ -55,8 +55,8 @@ class Sink(Protocol):
         """End in order."""
         ...
 
-    def abandon(self) -> None:
-        """End as well as can be, after an OSError. Raises nothing."""
+    def abandon(self, reason: str) -> None:
+        """End as well as can be, after an OSError, and note the reason. Raises nothing."""
         ...
 
 
@@ -215,7 +215,7 @@ class Recorder:
 
     def _break(self, error: Exception) -> None:
         self._is_broken = True
-        self._sink.abandon()
+        self._sink.abandon(str(error))
         # A disk explains itself; anything else is a mistake of ours.
         traceback = None if isinstance(error, (OSError, McapError)) else error
         self._logger.error(

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable
+from itertools import chain
 from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
@@ -10,7 +11,13 @@ from rosbase.entries.log_entrance import LogEntrance
 from rosbase.entries.outcomes import error_from_json
 from rosbase.entries.payloads import Json, Payload, from_json
 from rosbase.entries.replaying.entered import Entered
-from rosbase.entries.replaying.flow import FlowDifference, entry_text, joined, period_text
+from rosbase.entries.replaying.flow import (
+    FlowDifference,
+    entry_text,
+    joined,
+    period_text,
+    time_text,
+)
 from rosbase.entries.replaying.inputs import INPUTS, Input, Inputs, inputs_of
 from rosbase.entries.replaying.pace import Pace
 from rosbase.entries.replaying.posted import PostedCalls
@@ -133,14 +140,13 @@ class Player:
         if self._is_ended:
             return
         self._is_ended = True
+        if not self.is_free and self._goes_on():
+            self._end_early()
         # What other threads did until the last moment.
-        while not self.is_free and self.next is not None and self.next.kind in INPUTS:
-            if (entry := self.take()) is not None:
+        while not self.is_free and self.next is not None:
+            entry = self.take()
+            if entry is not None and entry.kind in INPUTS:
                 self.play(entry)
-        if not self.is_free and self.next is not None and self.next.kind != Kind.END:
-            self.differ("the program ends")
-        elif not self.is_free:
-            self.take()
         self._log.end()
         self._posted.close()
         self._entered.close()
@@ -370,6 +376,27 @@ class Player:
             t_ns = coming.t_ns
             yield coming
         yield Input(t_ns, self._stop)
+
+    def _goes_on(self) -> bool:
+        """Return whether the script has more than what others did, and its end."""
+        ahead: list[Entry] = []
+        coming = self.next
+        while coming is not None and coming.kind in INPUTS and not coming.notes.spoiled:
+            ahead.append(coming)
+            coming = next(self._script, None)
+        if coming is not None:
+            ahead.append(coming)
+        if ahead:
+            self.next, self._script = ahead[0], chain(ahead[1:], self._script)
+        return coming is not None and coming.kind not in INPUTS | {Kind.END}
+
+    def _end_early(self) -> None:
+        """Note that the program has ended, and the script has not."""
+        now = time_text(self.machine.t_ns)
+        for entry in self._rest([] if self.next is None else [self.next]):
+            self._last = entry
+        end = time_text(self.last.t_ns)
+        self._leave(f"the program ends at {now}, and the recording goes on to {end}")
 
     def _leave(self, what: str) -> None:
         """Note the first difference, and no longer follow the script."""
