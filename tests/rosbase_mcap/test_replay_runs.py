@@ -240,8 +240,8 @@ def test_a_changed_program_that_ends_earlier_is_a_difference(
 ) -> None:
     monkeypatch.setattr(Robot, "ticks", TICKS // 2)
     run = replay(path, replayed)
-    assert "the program ends at 00:00." in run.difference
-    assert "and the recording goes on to 00:00." in run.difference
+    assert "the program ends at 00:" in run.difference
+    assert "and the recording goes on to 00:" in run.difference
     assert run.cut_short == ""
 
 
@@ -251,8 +251,7 @@ def test_a_recording_that_has_filled_the_disk_says_so(
     plain, blocks = OutputFile.write, list[bytes]()
 
     def write(file: OutputFile, data: bytes) -> None:
-        # All but the end, which is short.
-        if len(blocks) == 2 and len(data) > 5_000:
+        if len(blocks) == 2 and data[0] == Kind.CHUNK:
             raise OSError(errno.ENOSPC, "No space left on device")
         plain(file, data)
         if b"rosbase/trace/" in data:

@@ -216,11 +216,14 @@ class Session:
         end_ns = None if last.kind is Kind.END else player.facts.start_date_ns + last.t_ns
         found = comparison.finish(player.entry.number, end_ns)
         flow = player.difference
-        if found is None or found.flow is not None or flow is None:
+        if found is None or flow is None:
             return found
-        # A message was another before the program took another way.
-        line = f"then, at {clock_text(flow.t_ns)}, entry {flow.number}: {flow.what}"
-        return evolve(found, context=(*found.context, line))
+        lines = [*found.context]
+        if found.flow is None:
+            # A message was another before the program took another way.
+            lines.append(f"then, at {clock_text(flow.t_ns)}, entry {flow.number}: {flow.what}")
+        lines += [player.ended_early] if player.ended_early else []
+        return evolve(found, context=tuple(lines))
 
     def _cut_short(self) -> str:
         player = self._player

@@ -36,6 +36,8 @@ T = TypeVar("T")
 
 _REMEMBERED = 5
 _OUTSIDE = -1
+# A program that goes on has them.
+_REGULAR = frozenset({Kind.TICK, Kind.TIMER})
 _IN_SECTIONS = INPUTS | {Kind.SECTION}
 # In Python 3.11, to find a member takes longer than all else with an entry.
 _TICK, _POSTED = Kind.TICK, Kind.POSTED
@@ -80,6 +82,8 @@ class Player:
         """Facts of the recorded run."""
         self.difference: FlowDifference | None = None
         """The first difference of the flow; None if the program has followed the script."""
+        self.ended_early = ""
+        """That the program has ended before the recording, if another difference came first."""
         self.spoiled = ""
         """Why the script could not be followed to its end; empty if it could."""
         self.is_free = False
@@ -97,6 +101,7 @@ class Player:
         self._script = iter(script)
         # The one that was read last, if the replay is free.
         self._last: Entry | None = None
+        self._left: Iterable[Entry] = ()
         self._sink, self._pace = sink, pace
         self._registry = Registry()
         self._handlers: dict[int, Play] = {}
@@ -140,8 +145,10 @@ class Player:
         if self._is_ended:
             return
         self._is_ended = True
-        if not self.is_free and self._goes_on():
-            self._end_early()
+        if not self.is_free and self.next is not None and self._goes_on():
+            self._leave(self._early_end(self._rest([self.next]), goes_on=True))
+        elif self.difference is not None and not self.was_interrupted:
+            self.ended_early = self._early_end(self._left)
         # What other threads did until the last moment.
         while not self.is_free and self.next is not None:
             entry = self.take()
@@ -390,13 +397,13 @@ class Player:
             self.next, self._script = ahead[0], chain(ahead[1:], self._script)
         return coming is not None and coming.kind not in INPUTS | {Kind.END}
 
-    def _end_early(self) -> None:
-        """Note that the program has ended, and the script has not."""
-        now = time_text(self.machine.t_ns)
-        for entry in self._rest([] if self.next is None else [self.next]):
+    def _early_end(self, left: Iterable[Entry], *, goes_on: bool = False) -> str:
+        """Return that the program ends before the script; empty if it does not."""
+        for entry in left:
             self._last = entry
-        end = time_text(self.last.t_ns)
-        self._leave(f"the program ends at {now}, and the recording goes on to {end}")
+            goes_on = goes_on or entry.kind in _REGULAR
+        now, end = time_text(self.machine.t_ns), time_text(self.last.t_ns)
+        return f"the program ends at {now}, and the recording goes on to {end}" if goes_on else ""
 
     def _leave(self, what: str) -> None:
         """Note the first difference, and no longer follow the script."""
@@ -404,8 +411,8 @@ class Player:
         self._go_on_freely()
 
     def _go_on_freely(self) -> None:
-        rest = [] if self.next is None else [self.next]
-        self._go_free(Inputs(inputs_of(self._rest(rest), self._play_free, self._stop)))
+        self._left = self._rest([] if self.next is None else [self.next])
+        self._go_free(Inputs(inputs_of(self._left, self._play_free, self._stop)))
 
     def _go_free(self, inputs: Inputs) -> None:
         self.is_free = True
