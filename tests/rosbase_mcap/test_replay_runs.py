@@ -3,6 +3,7 @@
 import errno
 import os
 import re
+import signal
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -235,6 +236,46 @@ def test_topics_that_were_not_recorded_are_not_compared(
     assert replay(path, replayed).difference == ""
 
 
+def test_an_error_that_did_not_end_the_recorded_program_is_raised(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Robot, "fails", True)
+    with pytest.raises(RuntimeError, match="fell over"):
+        replay(path, replayed)
+
+
+class Abrupt(Robot):
+    """Ends by something that is no Exception, or stops itself by a signal."""
+
+    signal = 0
+
+    def update_timestamp(self) -> None:
+        super().update_timestamp()
+        if self.timestamp == self.ticks // 2:
+            if not self.signal:
+                raise GeneratorExit("at once")
+            os.kill(os.getpid(), self.signal)
+
+
+def test_an_end_by_no_exception_is_repeated(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with pytest.raises(GeneratorExit):
+        Abrupt(path).start()
+    run = replay(path, replayed_as(Abrupt))
+    assert (repr(run.error), run.difference) == ("GeneratorExit('at once')", "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_program_that_stops_itself_by_a_signal_is_replayed_to_its_end(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Abrupt, "signal", number)
+    path = tmp_path / "run.mcap"
+    Abrupt(path).start()
+    run = replay(path, replayed_as(Abrupt))
+    assert (run.difference, run.cut_short) == ("", "")
+
+
 def test_a_changed_program_that_ends_earlier_is_a_difference(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -282,6 +323,17 @@ def test_a_replay_ends_with_the_last_entry_that_began_in_time(share: float, path
     in_time = [one for one in outputs if one.number <= last.number]
     assert [(one.number, one.topic) for one in heard] == [(o.number, o.topic) for o in in_time]
     assert len(in_time) < len(outputs)
+
+
+def test_a_misspelt_topic_is_an_error_that_names_the_topics(path: Path) -> None:
+    run = replay(path, replayed)
+    for call in (run.topic, run.stamped):
+        with pytest.raises(ConfigurationError, match=r"no topic /nosuch .* /out, .*/point"):
+            call("nosuch")
+    run = replay(path, replayed, keep=["out"])
+    assert run.log == run.parameters == []
+    with pytest.raises(ConfigurationError, match=r"no topic /point .* there are: /out$"):
+        run.topic("point")
 
 
 def test_only_chosen_topics_are_kept_in_memory(path: Path) -> None:

@@ -61,11 +61,14 @@ def run(arguments: Any) -> int:
     fleet = connect(name)
     if arguments.save:
         return _save(fleet)
+    topics = [f"/{topic.lstrip('/')}" for topic in arguments.topics]
+    missing = _missing(fleet, topics)
     path = arguments.output or _default_path(arguments.name)
     table, logger = ChannelTable(), make_logger("record")
     sink = _sink(arguments, path, table)
     recorder = Recorder(sink, table, logger)
-    topics = [f"/{topic.lstrip('/')}" for topic in arguments.topics]
+    if missing:
+        logger.warning(missing)
     attached = AttachedTopics(fleet, recorder, SystemClock(), logger.warning, topics)
     recorder.start()
     try:
@@ -84,6 +87,24 @@ def run(arguments: Any) -> int:
     lost = attached.lost + recorder.dropped
     print(f"{path}: {number} messages" + (f", {lost} are missing" if lost else ""))
     return 1 if recorder.is_broken else 0
+
+
+def _missing(fleet: Fleet, topics: list[str]) -> str:
+    """Return a line about topics that no program has yet; empty if there are none.
+
+    Raises:
+        ConfigurationError: The programs have none of the topics.
+    """
+    if not topics:
+        return ""
+    there = {topic["name"] for topic in fleet.topics()} | {PARAMETER_EVENTS, LOG_TOPIC}
+    missing = [topic for topic in topics if topic not in there]
+    if not missing:
+        return ""
+    line = f"no topic {', '.join(missing)}; there are: {', '.join(sorted(there))}"
+    if len(missing) == len(topics):
+        raise ConfigurationError(line)
+    return line
 
 
 def _sink(arguments: Any, path: Path, table: ChannelTable) -> FileSink | Ring:

@@ -14,6 +14,9 @@ from rosbase_mcap.surroundings import differences
 
 __all__ = ["main"]
 
+# As a shell has it: 128 and the number of SIGINT.
+_INTERRUPTED = 130
+
 
 def main() -> int:
     """Replay a program as the command line says; return the exit status."""
@@ -47,12 +50,12 @@ def _run(session: Session, words: list[str]) -> int:
             return _status(end)
         except McapError:
             raise
-        except Exception:
+        except BaseException as error:
             # Of the program, which may have ended so in the recording, too.
             if not session.has_begun:
                 raise
             traceback.print_exc()
-            return 1
+            return _INTERRUPTED if isinstance(error, KeyboardInterrupt) else 1
     return 0
 
 

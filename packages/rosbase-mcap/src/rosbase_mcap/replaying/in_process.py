@@ -30,11 +30,19 @@ class Replay:
     """The output of a replayed program."""
 
     def __init__(
-        self, session: Session, outputs: list[Output], difference: str, error: Exception | None
+        self,
+        session: Session,
+        outputs: list[Output],
+        difference: str,
+        error: BaseException | None,
+        kept: Collection[str] | None = None,
     ) -> None:
         outcome = session.outcome
         self._outputs, self._schemas = outputs, session.schemas
         self._start_ns = session.start_ns
+        recorded = session.run.schemas if session.run is not None else {}
+        known = {*session.schemas, *recorded}
+        self._known = sorted(known if kept is None else known & set(kept))
         self.difference = difference
         """Where the program begins to differ from the recording, as lines for people; empty if it
         does not. Only a replay of all inputs is compared."""
@@ -55,12 +63,29 @@ class Replay:
 
         Args:
             name: Its name; `/` in front may be left out.
+
+        Raises:
+            ConfigurationError: Neither the program nor the recording has such a topic, or its
+                messages are not kept. The error names the topics.
         """
         return [message for _, message in self.stamped(name)]
 
     def stamped(self, name: str) -> list[tuple[float, Any]]:
-        """Return the messages of a topic, each with its time in seconds since the start."""
+        """Return the messages of a topic, each with its time in seconds since the start.
+
+        Args:
+            name: Its name; `/` in front may be left out.
+
+        Raises:
+            ConfigurationError: As for `topic`.
+        """
         full = f"/{name.lstrip('/')}"
+        if full not in self._known:
+            known = ", ".join(self._known) or "none"
+            raise ConfigurationError(f"no topic {full} in this replay; there are: {known}")
+        return self._messages(full)
+
+    def _messages(self, full: str) -> list[tuple[float, Any]]:
         schema = self._schemas.get(full)
         if schema is None:
             return []
@@ -84,12 +109,12 @@ class Replay:
     @property
     def parameters(self) -> list[ParameterEvent]:
         """Declared and changed parameters."""
-        return self.topic(_PARAMETERS)
+        return [message for _, message in self._messages(_PARAMETERS)]
 
     @property
     def log(self) -> list[Log]:
         """Lines of the log."""
-        return self.topic(LOG_TOPIC)
+        return [message for _, message in self._messages(LOG_TOPIC)]
 
 
 def replay(
@@ -116,6 +141,8 @@ def replay(
     Raises:
         McapError: The file cannot be read.
         ConfigurationError: It cannot be replayed in that way, or `program` is no program.
+        BaseException: What ends the program, unless the same has ended the recorded one; that is
+            `Replay.error`.
     """
     names = None if topics is None else tuple(f"/{topic.lstrip('/')}" for topic in topics)
     wanted = None if keep is None else {f"/{topic.lstrip('/')}" for topic in keep}
@@ -137,7 +164,7 @@ def replay(
     reasons = _reasons(session, facts) if facts is not None and difference else []
     if reasons:
         difference += f"\nthis may be why: {'; '.join(reasons)}"
-    return Replay(session, outputs, difference, error)
+    return Replay(session, outputs, difference, error, wanted)
 
 
 def _reasons(session: Session, facts: Mapping[str, Any]) -> list[str]:
@@ -151,7 +178,7 @@ def _reasons(session: Session, facts: Mapping[str, Any]) -> list[str]:
     return reasons
 
 
-def _run(session: Session, program: Any) -> Exception | None:
+def _run(session: Session, program: Any) -> BaseException | None:
     """Run the program; return the error that has ended it if it ended the recorded one too."""
     try:
         made = program()
@@ -161,7 +188,7 @@ def _run(session: Session, program: Any) -> Exception | None:
             made.start_spin_standalone()
     except SystemExit:
         return None
-    except Exception as error:
+    except BaseException as error:
         end = session.run.end if session.run is not None else None
         if end is None or end.facts.ended_by != f"{type(error).__name__}: {error}":
             raise

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from itertools import chain
+from itertools import chain, islice
 from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
@@ -35,6 +35,8 @@ __all__ = ["Player"]
 T = TypeVar("T")
 
 _REMEMBERED = 5
+# A signal that the program sends itself asks for a stop after what waits already.
+_SOON = 50
 _OUTSIDE = -1
 # A program that goes on has them.
 _REGULAR = frozenset({Kind.TICK, Kind.TIMER})
@@ -299,6 +301,14 @@ class Player:
         else:
             self._go_on_freely()
 
+    def is_about_to_stop(self) -> bool:
+        """Return whether the script stops the program soon. For signal handlers."""
+        try:
+            return not self.is_free and Kind.STOP in self._kinds_ahead()
+        except ValueError:
+            # The script is being read: the handler has interrupted that.
+            return False
+
     def interrupt(self) -> None:
         """Stop following the script, because a signal ends the replay. For signal handlers."""
         self.was_interrupted = True
@@ -386,16 +396,20 @@ class Player:
 
     def _goes_on(self) -> bool:
         """Return whether the script has more than what others did, and its end."""
-        ahead: list[Entry] = []
-        coming = self.next
+        ahead, coming = list[Entry](), self.next
         while coming is not None and coming.kind in INPUTS and not coming.notes.spoiled:
-            ahead.append(coming)
             coming = next(self._script, None)
-        if coming is not None:
-            ahead.append(coming)
-        if ahead:
-            self.next, self._script = ahead[0], chain(ahead[1:], self._script)
+            if coming is not None:
+                ahead.append(coming)
+        self._script = chain(ahead, self._script)
         return coming is not None and coming.kind not in INPUTS | {Kind.END}
+
+    def _kinds_ahead(self) -> set[int]:
+        """Return the kinds of the next entries."""
+        ahead = list(islice(self._script, _SOON))
+        self._script = chain(ahead, self._script)
+        coming = [] if self.next is None else [self.next]
+        return {entry.kind for entry in (*coming, *ahead)}
 
     def _early_end(self, left: Iterable[Entry], *, goes_on: bool = False) -> str:
         """Return that the program ends before the script; empty if it does not."""

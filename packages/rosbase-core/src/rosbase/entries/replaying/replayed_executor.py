@@ -103,7 +103,12 @@ class ReplayedExecutor(Executor):
             function()
 
     def in_signal(self, function: Callable[[], object]) -> None:
-        """Call a function for a signal: it ends the replay, of which the script knows nothing."""
+        """Call a function for a signal: it ends the replay, of which the script knows nothing.
+
+        If the program has sent it to itself, it was in the recording too, and comes from there.
+        """
+        if self.player.is_about_to_stop():
+            return
         self.player.interrupt()
         function()
 
