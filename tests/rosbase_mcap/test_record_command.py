@@ -13,7 +13,7 @@ from rosbase.roles.recording import RECORD_VARIABLE
 from rosbase.wire import deserialize
 from rosbase_mcap.reading import messages, read_summary
 from rosbase_mcap.recovery import is_complete, mend
-from support.operated import APP, Robots, pid_of, robots_in, run
+from support.operated import APP, Robots, pid_of, robots_in, run, run_both
 from support.waiting import wait_until
 
 
@@ -96,6 +96,18 @@ def test_an_unknown_program_is_named_and_leaves_no_file(robots: Robots, tmp_path
     path = tmp_path / "app.mcap"
     run("record", "nobody", "-o", str(path), status=1)
     assert not path.exists()
+
+
+def test_topics_that_the_program_has_not_are_named(robots: Robots, tmp_path: Path) -> None:
+    path = tmp_path / "app.mcap"
+    pid = str(pid_of(robots.start(APP)))
+    words = ("record", pid, "-o", str(path), "--duration", "0.1s")
+    error = run(*words, "/nope", status=2)
+    assert "no topic /nope; there are: " in error
+    assert "/position" in error
+    assert not path.exists()
+    assert "no topic /nope; there" in run_both(*words, "position", "nope")[1]
+    assert path.exists()
 
 
 def test_the_parameters_that_a_program_has_are_recorded(robots: Robots, tmp_path: Path) -> None:
