@@ -8,7 +8,7 @@ import pytest
 from rosbase.cli import main
 from rosbase.contracts.message_format import message_format
 from rosbase.messages import Header, Imu, PointStamped, Time, Vector3
-from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
 from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.reading import messages
 from rosbase_mcap.records import Kind
@@ -53,6 +53,35 @@ def test_info_names_topics_types_counts_and_times(
     assert "start:     1970-01-01 00:00:01.000 UTC" in out
     assert "/imu/data  sensor_msgs/msg/Imu             4" in out
     assert "cut off" not in out
+
+
+def test_info_tells_messages_from_outside_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, form = ChannelTable(), message_format(Imu)
+    names = ("/imu", form.type_name, form.schema)
+    channels = [table.add(*names, {}), table.add(*names, {ORIGIN: OUTSIDE})]
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    sink.add([(channel, 1, S, S, form.encode(Imu())) for channel in channels])
+    sink.close()
+    assert main(["info", str(tmp_path / "run.mcap")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-2:] == [
+        "  /imu  sensor_msgs/msg/Imu  1",
+        "  /imu  sensor_msgs/msg/Imu  1  from outside",
+    ]
+
+
+@pytest.mark.parametrize("command", ["info", "cut", "export"])
+def test_a_folder_is_refused_and_its_files_are_named(
+    command: str, path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = {"info": [], "cut": ["-o", str(tmp_path / "cut.mcap")], "export": ["--csv"]}[command]
+    assert main([command, *more, str(tmp_path)]) == 2
+    assert f"{tmp_path} is a folder: give a file in it: {path}" in capsys.readouterr().err
+    path.unlink()
+    assert main([command, *more, str(tmp_path)]) == 2
+    assert "no MCAP file is in it" in capsys.readouterr().err
 
 
 def test_info_reads_a_file_that_was_cut_off(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -154,4 +183,4 @@ def test_export_writes_a_table_for_each_topic(path: Path) -> None:
 def test_export_overwrites_nothing(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "--csv", str(path)]) == 0
     assert main(["export", "--csv", str(path)]) == 2
-    assert "File exists" in capsys.readouterr().err
+    assert "there is such a file already" in capsys.readouterr().err

@@ -36,6 +36,7 @@ def test_the_topics_of_a_running_program_are_recorded(robots: Robots, tmp_path: 
         found = [
             entry.message.log_ns for entry in messages(stream) if entry.channel.topic == "/position"
         ]
+    assert f"{summary.messages} messages" in out
     # The log of the program is there too: it has said something before.
     assert "/position" in topics
     assert found == sorted(found)
@@ -90,6 +91,12 @@ def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) ->
     outcome = mend(BytesIO(data), pieces.append)
     assert outcome.summary.messages > 0
     assert is_complete(BytesIO(b"".join(pieces)))
+
+
+@pytest.mark.parametrize("option", ["--split-size", "--split-time", "--last"])
+def test_a_limit_of_nothing_is_refused(option: str, tmp_path: Path) -> None:
+    path = str(tmp_path / "app.mcap")
+    assert "'0' is not more than 0" in run("record", "nobody", "-o", path, option, "0", status=2)
 
 
 def test_an_unknown_program_is_named_and_leaves_no_file(robots: Robots, tmp_path: Path) -> None:

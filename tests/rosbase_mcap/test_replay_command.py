@@ -155,6 +155,9 @@ def refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         (["--rate", "nan"], "not a positive number"),
         (["--check", "--topics", "/a"], "leave out --topics"),
         (["--from", "soon"], "not a time span"),
+        (["--from=-1s"], "not a time span"),
+        (["--from", "5s", "--to", "1s"], "--from 5s is after --to 1s"),
+        (["--to", "2020-01-01"], "before the start"),
         (["--", "--slow"], "the arguments of the recording"),
     ],
 )
@@ -222,4 +225,4 @@ def test_a_file_that_is_none_is_refused_in_one_line(
     path = tmp_path / "run.mcap"
     assert "No such file" in refused(capsys, path, "robot.py")
     path.write_bytes(b"this is none")
-    assert "no MCAP file" in refused(capsys, path, "robot.py")
+    assert f"{path}: this is no MCAP file" in refused(capsys, path, "robot.py")

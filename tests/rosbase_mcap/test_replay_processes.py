@@ -112,6 +112,16 @@ def test_an_end_by_no_exception_has_a_verdict_too(end: str, status: int, tmp_pat
     assert "no difference: " in done.stderr
 
 
+def test_the_log_is_shown_from_a_time_on(folder: Path) -> None:
+    def shown(*words: str) -> bool:
+        done = rosbase(folder, "replay", "run.mcap", "--as-fast", *words)
+        assert done.returncode == 0, done.stderr
+        return "the first is" in done.stderr
+
+    assert shown()
+    assert not shown("--from", "0.3s")
+
+
 def test_a_replay_up_to_a_time_ends_there(folder: Path) -> None:
     done = rosbase(folder, "replay", "run.mcap", "--check", "--to", "0.2s")
     assert done.returncode == 0, done.stderr

@@ -342,6 +342,12 @@ def test_only_chosen_topics_are_kept_in_memory(path: Path) -> None:
     assert run.difference == ""
 
 
+def test_the_name_of_a_program_is_refused(path: Path) -> None:
+    name: Any = "robot.py"
+    with pytest.raises(ConfigurationError, match=r"'robot\.py' is no class and no function"):
+        replay(path, name)
+
+
 def test_a_function_without_a_program_is_refused(path: Path) -> None:
     nothing: Callable[[], object] = os.getcwd
     with pytest.raises(ConfigurationError, match="is no manager and no standalone node"):

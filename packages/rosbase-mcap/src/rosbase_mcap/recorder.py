@@ -97,6 +97,8 @@ class Recorder:
         self._is_stopping = False
         self._is_broken = False
         self._unwritten = 0
+        self.written = 0
+        """Number of messages that the sink has taken."""
         self._said = 0
 
     @property
@@ -189,6 +191,7 @@ class Recorder:
             for first in range(0, len(items), _TURN):
                 turn = items[first : first + _TURN]
                 self._sink.add(turn)
+                self.written += len(turn)
                 if self._run is not None:
                     self._run.count(turn, self._table)
                 if not self._is_stopping:

@@ -35,6 +35,8 @@ def run(arguments: Any) -> int:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             rows = export_csv(stream, folder, selection)
+        except FileExistsError as error:
+            raise McapError(f"{error.filename}: there is such a file already") from error
         except OSError as error:
             raise McapError(f"{error.filename or folder}: {error.strerror or error}") from error
     for path, number in rows.items():

@@ -23,6 +23,10 @@ def opened(path: Path) -> Iterator[BinaryIO]:
     """
     try:
         stream = path.open("rb")
+    except IsADirectoryError:
+        inner = ", ".join(str(file) for file in sorted(path.glob("*.mcap")))
+        instead = f"give a file in it: {inner}" if inner else "no MCAP file is in it"
+        raise McapError(f"{path} is a folder: {instead}") from None
     except OSError as error:
         raise McapError(f"{path}: {error.strerror or error}") from error
     with stream:

@@ -5,8 +5,10 @@ import sys
 import traceback
 
 from rosbase import RosbaseError
+from rosbase.logger.console import use_console
 from rosbase.text.printable import MOST_LINE, one_line
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.replaying.late_console import LateConsole
 from rosbase_mcap.replaying.options import ReplayOptions
 from rosbase_mcap.replaying.report import report_lines, status_of
 from rosbase_mcap.replaying.session import Session
@@ -43,6 +45,7 @@ def main() -> int:
 def _run(session: Session, words: list[str]) -> int:
     """Run the program as `rosbase run` does; return its exit status."""
     sys.argv = ["rosbase", *words]
+    use_console(LateConsole(lambda: session.is_early))
     with session.conducting():
         try:
             runpy.run_module("rosbase.program", run_name="__main__", alter_sys=True)

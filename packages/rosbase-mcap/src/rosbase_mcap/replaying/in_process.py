@@ -144,6 +144,8 @@ def replay(
         BaseException: What ends the program, unless the same has ended the recorded one; that is
             `Replay.error`.
     """
+    if not callable(program):
+        raise ConfigurationError(f"{program!r} is no class and no function")
     names = None if topics is None else tuple(f"/{topic.lstrip('/')}" for topic in topics)
     wanted = None if keep is None else {f"/{topic.lstrip('/')}" for topic in keep}
     outputs: list[Output] = []

@@ -99,6 +99,15 @@ class Session:
         return self._player is not None
 
     @property
+    def is_early(self) -> bool:
+        """Whether the replay is before the moment from which it is shown."""
+        player, options = self._player, self._options
+        if player is None or options.topics is not None:
+            # A replay of topics starts there.
+            return False
+        return player.machine.t_ns < options.start_ns
+
+    @property
     def outcome(self) -> Outcome:
         """The result. Only when the block of `conducting` has ended."""
         assert self._outcome is not None
