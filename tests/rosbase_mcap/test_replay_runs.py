@@ -244,6 +244,25 @@ def test_an_error_that_did_not_end_the_recorded_program_is_raised(
         replay(path, replayed)
 
 
+class Unbuildable(Robot):
+    """Fails in its constructor."""
+
+    def __init__(self, record: Path | None = None) -> None:
+        super().__init__(record)
+        raise RuntimeError("no arm")
+
+
+def test_an_error_in_the_constructor_is_repeated_or_raised(tmp_path: Path, path: Path) -> None:
+    failed = tmp_path / "failed.mcap"
+    with pytest.raises(RuntimeError):
+        Unbuildable(failed)
+    run = replay(failed, replayed_as(Unbuildable))
+    assert (repr(run.error), run.difference) == ("RuntimeError('no arm')", "")
+    # The recorded program had none.
+    with pytest.raises(RuntimeError, match="no arm"):
+        replay(path, Unbuildable)
+
+
 class Abrupt(Robot):
     """Ends by something that is no Exception, or stops itself by a signal."""
 
@@ -331,7 +350,7 @@ def test_a_misspelt_topic_is_an_error_that_names_the_topics(path: Path) -> None:
         with pytest.raises(ConfigurationError, match=r"no topic /nosuch .* /out, .*/point"):
             call("nosuch")
     run = replay(path, replayed, keep=["out"])
-    assert run.log == run.parameters == []
+    assert (run.log, run.parameters) == ([], [])
     with pytest.raises(ConfigurationError, match=r"no topic /point .* there are: /out$"):
         run.topic("point")
 

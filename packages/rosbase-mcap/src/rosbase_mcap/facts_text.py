@@ -55,10 +55,10 @@ def _topics(summary: Summary) -> list[str]:
     for channel in sorted(summary.channels.values(), key=lambda channel: channel.topic):
         schema = summary.schemas.get(channel.schema_id)
         count = summary.counts[channel.id]
-        name = schema.name if schema else "no schema"
+        type_name = schema.name if schema else "no schema"
         # Of a topic that both the program and others publish, each has a channel.
         origin = "from outside" if channel.metadata.get(ORIGIN) == OUTSIDE else ""
-        rows.append((channel.topic, name, str(count), origin))
+        rows.append((channel.topic, type_name, str(count), origin))
     if not rows:
         return ["topics:    none"]
     name, kind, count = (max(len(row[at]) for row in rows) for at in range(3))
