@@ -220,6 +220,24 @@ def test_a_damaged_chunk_is_named_as_a_reason_for_a_difference(path: Path) -> No
     assert "1 damaged chunk" in replay(path, replayed).difference.splitlines()[-1]
 
 
+def test_damaged_entries_cut_a_replay_short(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Longer than the time between two blocks of entries.
+    monkeypatch.setattr(Robot, "ticks", LONG)
+    path = recorded(tmp_path / "run.mcap")
+    with path.open("rb") as stream:
+        blocks = [found for found in records_of(stream) if found.kind == Kind.ATTACHMENT]
+    data = bytearray(path.read_bytes())
+    data[blocks[-1].end - 30] ^= 0xFF
+    path.write_bytes(data)
+    assert replay(path, replayed).cut_short == "the entries behind that are missing or damaged"
+    data[blocks[0].end - 30] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(ConfigurationError, match="has no entry: its first entries are damaged"):
+        replay(path, replayed)
+
+
 def test_parts_of_a_recording_are_replayed_as_one(tmp_path: Path) -> None:
     path = recorded(tmp_path / "run.mcap", split_bytes=1_000)
     run = replay(path, replayed)

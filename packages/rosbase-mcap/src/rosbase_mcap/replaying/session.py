@@ -128,10 +128,9 @@ class Session:
         entries = self._script(whole)
         first = next(entries, None)
         if first is None:
-            raise ConfigurationError(
-                f"{self._options.path} has no entry: its program was killed in the first second, "
-                "or the disk was full"
-            )
+            killed = "its program was killed in the first second, or the disk was full"
+            why = killed if run.end is None else "its first entries are damaged"
+            raise ConfigurationError(f"{self._options.path} has no entry: {why}")
         script = chain([first], entries)
         self._comparison = Comparison(outputs, run.schemas, start_ns, context=self._context)
         listener = Listener(run.run.topics, self._declare, self._take)
