@@ -1,5 +1,6 @@
 """`rosbase info`, `recover`, `cut` and `export` on files."""
 
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -7,9 +8,12 @@ import pytest
 from rosbase.cli import main
 from rosbase.contracts.message_format import message_format
 from rosbase.messages import Header, Imu, PointStamped, Time, Vector3
-from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
 from rosbase_mcap.file_sink import FileSink
 from rosbase_mcap.reading import messages
+from rosbase_mcap.records import Kind
+from rosbase_mcap.recovery import count_damaged
+from rosbase_mcap.scanning import records_of
 
 S = 1_000_000_000
 
@@ -51,12 +55,75 @@ def test_info_names_topics_types_counts_and_times(
     assert "cut off" not in out
 
 
+def test_info_tells_messages_from_outside_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, form = ChannelTable(), message_format(Imu)
+    names = ("/imu", form.type_name, form.schema)
+    channels = [table.add(*names, {}), table.add(*names, {ORIGIN: OUTSIDE})]
+    sink = FileSink(tmp_path / "run.mcap", table, {})
+    sink.add([(channel, 1, S, S, form.encode(Imu())) for channel in channels])
+    sink.close()
+    assert main(["info", str(tmp_path / "run.mcap")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-2:] == [
+        "  /imu  sensor_msgs/msg/Imu  1",
+        "  /imu  sensor_msgs/msg/Imu  1  from outside",
+    ]
+
+
+@pytest.mark.parametrize("command", ["info", "cut", "export"])
+def test_a_folder_is_refused_and_its_files_are_named(
+    command: str, path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = {"info": [], "cut": ["-o", str(tmp_path / "cut.mcap")], "export": ["--csv"]}[command]
+    assert main([command, *more, str(tmp_path)]) == 2
+    assert f"{tmp_path} is a folder: give a file in it: {path}" in capsys.readouterr().err
+    path.unlink()
+    assert main([command, *more, str(tmp_path)]) == 2
+    assert "no MCAP file is in it" in capsys.readouterr().err
+
+
 def test_info_reads_a_file_that_was_cut_off(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path.write_bytes(path.read_bytes()[:-40])
     assert main(["info", str(path)]) == 0
     out = capsys.readouterr().out
     assert "messages:  8" in out
     assert "rosbase recover" in out
+
+
+def damaged(path: Path) -> Path:
+    """Turns a bit in the second chunk of a recording."""
+    with path.open("rb") as stream:
+        chunks = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    data = bytearray(path.read_bytes())
+    data[chunks[1].end - 1] ^= 1
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("words", [["info"], ["cut", "-o", "{}/cut.mcap"], ["export", "--csv"]])
+def test_a_damaged_chunk_is_named(
+    words: list[str], path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [word.format(path.parent) for word in words]
+    assert main([*words, str(path)]) == 0
+    assert capsys.readouterr().err == ""
+    for made in path.parent.glob("cut.mcap"):
+        made.unlink()
+    for made in path.parent.glob("run/*"):
+        made.unlink()
+    assert main([*words, str(damaged(path))]) == 0
+    assert capsys.readouterr().err == f"{path}: 1 damaged chunk: messages are missing\n"
+
+
+def test_zeros_within_a_file_are_damage_and_a_cut_is_none(path: Path) -> None:
+    data = path.read_bytes()
+    with path.open("rb") as stream:
+        chunks = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    middle = chunks[1].offset
+    assert count_damaged(BytesIO(data[: middle + 20])) == 0
+    assert count_damaged(BytesIO(data[:middle] + bytes(16) + data[middle + 16 :])) == 1
 
 
 def test_recover_mends_a_file_in_place(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -116,4 +183,4 @@ def test_export_writes_a_table_for_each_topic(path: Path) -> None:
 def test_export_overwrites_nothing(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "--csv", str(path)]) == 0
     assert main(["export", "--csv", str(path)]) == 2
-    assert "File exists" in capsys.readouterr().err
+    assert "there is such a file already" in capsys.readouterr().err

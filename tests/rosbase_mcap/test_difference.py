@@ -221,6 +221,13 @@ def test_a_line_of_the_log_with_another_text_is_a_difference() -> None:
     assert str(text) == "msg: 'height 1.0' -> 'height 1.5'"
 
 
+@pytest.mark.parametrize("text", ["status 0x{}", "register at 0x{:.4}", "at 0x{}", "0x{}>"])
+def test_a_hexadecimal_number_in_the_log_is_compared(text: str) -> None:
+    schemas = schema_of(Log), schema_of(Log)
+    before, after = log_line(text.format("7f3ab0c1")), log_line(text.format("8f3ab0c2"))
+    assert changes(before, after, *schemas).fields
+
+
 def digest(*outputs: Output) -> str:
     found = Digest()
     for one in outputs:

@@ -4,7 +4,7 @@ import argparse
 
 import pytest
 
-from rosbase_mcap.quantities import moment_ns, size_bytes, span_ns
+from rosbase_mcap.quantities import moment_ns, moments_ns, size_bytes, span_ns
 
 S = 1_000_000_000
 
@@ -37,3 +37,19 @@ def test_a_moment_is_a_date_or_a_span_from_the_start() -> None:
     assert moment_ns("1970-01-01T00:00:02Z", 0) == 2 * S
     with pytest.raises(argparse.ArgumentTypeError, match="no date"):
         moment_ns("2026-13-01", 0)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "reason"),
+    [
+        ("5s", "1s", "--from 5s is after --to 1s"),
+        (None, "1970-01-01T00:00:06", "is before the start of the recording"),
+        ("-1s", None, "'-1s' is not a time span"),
+    ],
+)
+def test_moments_with_nothing_between_them_are_refused(
+    start: str | None, end: str | None, reason: str
+) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match=reason):
+        moments_ns(start, end, 7 * S)
+    assert moments_ns("1970-01-01T00:00:06", "1s", 7 * S) == (6 * S, 8 * S)

@@ -13,7 +13,7 @@ from rosbase.roles.recording import RECORD_VARIABLE
 from rosbase.wire import deserialize
 from rosbase_mcap.reading import messages, read_summary
 from rosbase_mcap.recovery import is_complete, mend
-from support.operated import APP, Robots, pid_of, robots_in, run
+from support.operated import APP, Robots, pid_of, robots_in, run, run_both
 from support.waiting import wait_until
 
 
@@ -36,6 +36,7 @@ def test_the_topics_of_a_running_program_are_recorded(robots: Robots, tmp_path: 
         found = [
             entry.message.log_ns for entry in messages(stream) if entry.channel.topic == "/position"
         ]
+    assert f"{summary.messages} messages" in out
     # The log of the program is there too: it has said something before.
     assert "/position" in topics
     assert found == sorted(found)
@@ -92,10 +93,28 @@ def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) ->
     assert is_complete(BytesIO(b"".join(pieces)))
 
 
+@pytest.mark.parametrize("option", ["--split-size", "--split-time", "--last"])
+def test_a_limit_of_nothing_is_refused(option: str, tmp_path: Path) -> None:
+    path = str(tmp_path / "app.mcap")
+    assert "'0' is not more than 0" in run("record", "nobody", "-o", path, option, "0", status=2)
+
+
 def test_an_unknown_program_is_named_and_leaves_no_file(robots: Robots, tmp_path: Path) -> None:
     path = tmp_path / "app.mcap"
     run("record", "nobody", "-o", str(path), status=1)
     assert not path.exists()
+
+
+def test_topics_that_the_program_has_not_are_named(robots: Robots, tmp_path: Path) -> None:
+    path = tmp_path / "app.mcap"
+    pid = str(pid_of(robots.start(APP)))
+    words = ("record", pid, "-o", str(path), "--duration", "0.1s")
+    error = run(*words, "/nope", status=2)
+    assert "no topic /nope; there are: " in error
+    assert "/position" in error
+    assert not path.exists()
+    assert "no topic /nope; there" in run_both(*words, "position", "nope")[1]
+    assert path.exists()
 
 
 def test_the_parameters_that_a_program_has_are_recorded(robots: Robots, tmp_path: Path) -> None:

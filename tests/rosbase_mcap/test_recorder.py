@@ -16,6 +16,7 @@ from rosbase_mcap.recorder import LOSSES, Recorder
 from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.recovery import is_complete
 from rosbase_mcap.splitting import Split
+from rosbase_mcap.traces import BROKEN
 from support.waiting import wait_until
 
 NO_METADATA: dict[str, str] = {}
@@ -51,7 +52,7 @@ class Listed:
     def close(self) -> None:
         self.ends.append("close")
 
-    def abandon(self) -> None:
+    def abandon(self, reason: str) -> None:
         self.ends.append("abandon")
 
 
@@ -167,8 +168,9 @@ def test_what_a_full_disk_has_taken_opens(tmp_path: Path, monkeypatch: pytest.Mo
     sink.add([(number, 1, 2, 2, b"y" * 10_000)])
     with pytest.raises(OSError, match="No space"):
         sink.flush()
-    sink.abandon()
+    sink.abandon("the disk is full")
     with (tmp_path / "run.mcap").open("rb") as stream:
+        assert Metadata(BROKEN, {"reason": "the disk is full"}) in contents(stream)
         assert is_complete(stream)
         assert [entry.message.log_ns for entry in messages(stream)] == [1]
 
@@ -195,8 +197,9 @@ def test_a_full_disk_without_room_for_the_end_costs_the_last_chunk(
         sink.flush()
     with pytest.raises(OSError, match="No space"):
         sink.close()
-    sink.abandon()
+    sink.abandon("the disk is full")
     with (tmp_path / "run.mcap").open("rb") as stream:
+        assert Metadata(BROKEN, {"reason": "the disk is full"}) in contents(stream)
         assert is_complete(stream)
         assert [entry.message.log_ns for entry in messages(stream)] == [1, 2]
 

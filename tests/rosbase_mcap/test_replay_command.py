@@ -12,8 +12,9 @@ from attrs import evolve
 from rosbase.cli import main
 from rosbase.entries.sink import RunFacts
 from rosbase_mcap.file_writer import FileWriter
-from rosbase_mcap.records import Channel, Metadata, Schema
+from rosbase_mcap.records import Channel, Kind, Metadata, Schema
 from rosbase_mcap.replaying.options import ReplayOptions
+from rosbase_mcap.scanning import records_of
 from rosbase_mcap.traces import Run, run_metadata
 
 S = 1_000_000_000
@@ -154,6 +155,9 @@ def refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         (["--rate", "nan"], "not a positive number"),
         (["--check", "--topics", "/a"], "leave out --topics"),
         (["--from", "soon"], "not a time span"),
+        (["--from=-1s"], "not a time span"),
+        (["--from", "5s", "--to", "1s"], "--from 5s is after --to 1s"),
+        (["--to", "2020-01-01"], "before the start"),
         (["--", "--slow"], "the arguments of the recording"),
     ],
 )
@@ -203,10 +207,22 @@ def test_a_recording_with_missing_messages_is_not_compared(
     assert replaced(path)
 
 
+def test_a_damaged_recording_is_not_compared(
+    whole: Path, capsys: pytest.CaptureFixture[str], replaced: Callable[..., Made]
+) -> None:
+    with whole.open("rb") as stream:
+        [chunk] = [found for found in records_of(stream) if found.kind == Kind.CHUNK]
+    data = bytearray(whole.read_bytes())
+    data[chunk.end - 1] ^= 1
+    whole.write_bytes(data)
+    assert f"{whole} cannot be compared: 1 damaged chunk" in refused(capsys, whole, "--check")
+    assert replaced(whole)
+
+
 def test_a_file_that_is_none_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "run.mcap"
     assert "No such file" in refused(capsys, path, "robot.py")
     path.write_bytes(b"this is none")
-    assert "no MCAP file" in refused(capsys, path, "robot.py")
+    assert f"{path}: this is no MCAP file" in refused(capsys, path, "robot.py")

@@ -99,6 +99,29 @@ def test_an_error_that_ended_the_program_ends_it_again_and_all_is_compared(
     assert "no difference: " in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("end", "status"), [("KeyboardInterrupt", 130), ("BaseException('weird')", 1)]
+)
+def test_an_end_by_no_exception_has_a_verdict_too(end: str, status: int, tmp_path: Path) -> None:
+    ending = PROGRAM.replace("self.request_stop()", f"raise {end}")
+    (tmp_path / "robot.py").write_text(ending)
+    first = rosbase(tmp_path, "run", "--record", "run.mcap", "robot.py")
+    done = rosbase(tmp_path, "replay", "run.mcap", "--check")
+    assert done.returncode == status
+    assert first.stderr.splitlines()[-1] in done.stderr
+    assert "no difference: " in done.stderr
+
+
+def test_the_log_is_shown_from_a_time_on(folder: Path) -> None:
+    def shown(*words: str) -> bool:
+        done = rosbase(folder, "replay", "run.mcap", "--as-fast", *words)
+        assert done.returncode == 0, done.stderr
+        return "the first is" in done.stderr
+
+    assert shown()
+    assert not shown("--from", "0.3s")
+
+
 def test_a_replay_up_to_a_time_ends_there(folder: Path) -> None:
     done = rosbase(folder, "replay", "run.mcap", "--check", "--to", "0.2s")
     assert done.returncode == 0, done.stderr

@@ -102,6 +102,30 @@ def test_facts_that_are_damaged_or_of_later_versions_are_refused() -> None:
         read_end(Metadata(END, {"entries": "1"}))
 
 
+def test_a_missing_part_is_named(tmp_path: Path) -> None:
+    for part in range(3):
+        end = RUN_END if part == 2 else None
+        name = f"run_{part}.mcap" if part else "run.mcap"
+        made = run_file(evolve(RUN, part=part), range(part, part + 1), end)
+        (tmp_path / name).write_bytes(made)
+
+    def no_end() -> str:
+        found = open_run(tmp_path / "run.mcap")
+        assert found is not None
+        return found.no_end
+
+    assert no_end() == ""
+    (tmp_path / "run_1.mcap").rename(tmp_path / "other.mcap")
+    assert no_end() == "the recording has no end: run_1.mcap is missing"
+    (tmp_path / "run_2.mcap").unlink()
+    assert no_end() == (
+        "the recording has no end: its program was killed, the disk was full, "
+        "or run_1.mcap is missing"
+    )
+    (tmp_path / "run.mcap").write_bytes((tmp_path / "run.mcap").read_bytes()[:-20])
+    assert no_end() == "the recording has no end: its program was killed, or the disk was full"
+
+
 def test_a_block_is_an_attachment_with_the_date_of_its_first_entry() -> None:
     attachment = trace_attachment(trace()[2], 42, START)
     assert attachment.name == "rosbase/trace/000042"

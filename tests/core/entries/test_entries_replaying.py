@@ -14,7 +14,7 @@ from rosbase.entries.recorder import Recorder
 from rosbase.entries.replaying import virtual_clock
 from rosbase.entries.replaying.inputs import Input
 from rosbase.entries.replaying.player import Player
-from rosbase.entries.script import Entry, read_entries
+from rosbase.entries.script import Entry, Notes, read_entries
 from rosbase.entries.sink import RunFacts
 from rosbase.errors import DeviceNotFoundError
 from rosbase.runtime.executor import Executor
@@ -306,6 +306,27 @@ def test_a_timer_that_is_not_there_is_a_difference() -> None:
     )
 
 
+def test_a_timer_with_another_period_is_a_difference_and_runs_with_it() -> None:
+    def run(period_ns: int, program: Program) -> None:
+        program.executor.create_timer(period_ns, partial(program.note, "timer"))
+        program.spin(1.2)
+
+    _, script = record(partial(run, S // 2))
+    heard, player = replay(partial(run, S // 4), script)
+    assert player.difference is not None
+    assert player.difference.what == ("timer Program.note has period 0.25 s, recorded 0.5 s")
+    assert len(heard) == 4
+    # Older recordings have no periods.
+    without = [entry._replace(notes=without_periods(entry.notes)) for entry in script]
+    assert replay(partial(run, S // 4), without)[1].difference is None
+
+
+def without_periods(notes: Notes) -> Notes:
+    found = Notes()
+    found.created = notes.created
+    return found
+
+
 def test_something_created_in_addition_is_a_difference() -> None:
     def run(names: list[str], program: Program) -> None:
         for name in names:
@@ -411,7 +432,10 @@ def test_a_program_that_ends_early_is_a_difference() -> None:
     script = recorded_again(partial(run, 3))
     _, player = replay(partial(run, 2), script)
     assert player.difference is not None
-    assert player.difference.what.startswith("the program ends")
+    assert player.difference.what == (
+        "the program ends at 00:00.200, and the recording goes on to 00:00.300"
+    )
+    assert player.last.kind is Kind.END
 
 
 def test_a_signal_ends_a_replay_without_a_difference() -> None:

@@ -7,7 +7,7 @@ from rosbase_mcap.channel_table import LATCHED
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.reading import Selection, contents
 from rosbase_mcap.records import Attachment, Channel, Metadata, Schema
-from rosbase_mcap.traces import END, RUN, is_trace
+from rosbase_mcap.traces import BROKEN, END, RUN, is_trace
 
 __all__ = ["cut", "is_latched"]
 
@@ -45,7 +45,7 @@ def cut(
             if not is_trace(content):
                 writer.attach(content)
         elif isinstance(content, Metadata):
-            if content.name not in (RUN, END):
+            if content.name not in (RUN, END, BROKEN):
                 writer.note(content)
         else:
             channel = channels.get(content.channel_id)

@@ -2,6 +2,7 @@
 
 from datetime import datetime, timezone
 
+from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.summary import Summary
 from rosbase_mcap.traces import is_trace
 
@@ -54,12 +55,15 @@ def _topics(summary: Summary) -> list[str]:
     for channel in sorted(summary.channels.values(), key=lambda channel: channel.topic):
         schema = summary.schemas.get(channel.schema_id)
         count = summary.counts[channel.id]
-        rows.append((channel.topic, schema.name if schema else "no schema", str(count)))
+        type_name = schema.name if schema else "no schema"
+        # Of a topic that both the program and others publish, each has a channel.
+        origin = "from outside" if channel.metadata.get(ORIGIN) == OUTSIDE else ""
+        rows.append((channel.topic, type_name, str(count), origin))
     if not rows:
         return ["topics:    none"]
     name, kind, count = (max(len(row[at]) for row in rows) for at in range(3))
     return ["topics:"] + [
-        f"  {row[0]:{name}}  {row[1]:{kind}}  {row[2]:>{count}}".rstrip() for row in rows
+        f"  {row[0]:{name}}  {row[1]:{kind}}  {row[2]:>{count}}  {row[3]}".rstrip() for row in rows
     ]
 
 

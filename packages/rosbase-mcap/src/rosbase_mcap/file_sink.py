@@ -9,6 +9,7 @@ from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
 from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.splitting import Split, part_path
+from rosbase_mcap.traces import BROKEN
 
 __all__ = ["FACTS", "FileSink", "write_items"]
 
@@ -116,24 +117,29 @@ class FileSink:
         self._output.sync()
         self._output.close()
 
-    def abandon(self) -> None:
-        """End the file as well as can be. Raises nothing: what it leaves can be mended."""
+    def abandon(self, reason: str) -> None:
+        """End the file as well as can be. Raises nothing: what it leaves can be mended.
+
+        Args:
+            reason: Why, for those who read the file.
+        """
         if self._output.is_closed:
             # It was complete, and there was no room for the next one.
             return
         _quietly(self._cut)
         # There may be room for the end although there was none for a chunk. If not, a chunk goes.
-        if not _quietly(self._write_end):
+        if not _quietly(lambda: self._write_end(reason)):
             self._writer.give_up(len(self._ending()) + _SLACK_BYTES)
             _quietly(self._cut)
-            if not _quietly(self._write_end):
+            if not _quietly(lambda: self._write_end(reason)):
                 _quietly(self._cut)
         _quietly(self._output.close)
 
     def _cut(self) -> None:
         self._output.cut(self._writer.size_bytes)
 
-    def _write_end(self) -> None:
+    def _write_end(self, reason: str) -> None:
+        self._writer.note(Metadata(BROKEN, {"reason": reason}))
         self._output.write(self._ending())
 
     def _ending(self) -> bytes:

@@ -34,6 +34,8 @@ def open_foreign_bag(path: Path) -> Iterator[Bag]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise NotInstalledError(f"{path}: bags need rosbags: {_HOW_TO_INSTALL}") from None
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise McapError(f"{path}: this folder is no bag: it has no metadata.yaml")
     try:
         # Older bags have no definitions of their types.
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))

@@ -1,6 +1,9 @@
 """Records of the log as messages, as `/rosout` has them on ROS 2."""
 
 import logging
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from rosbase import DurabilityPolicy, QoSProfile
 from rosbase.contracts.message_format import message_format
@@ -9,12 +12,34 @@ from rosbase.messages.rcl_interfaces import Log
 from rosbase_mcap.channel_table import QOS, Channels
 from rosbase_mcap.qos_text import profiles_text
 
-__all__ = ["LOG_TOPIC", "LogChannel"]
+__all__ = ["LOG_TOPIC", "LogChannel", "no_output"]
 
 LOG_TOPIC = "/rosout"
 # That of rcl.
 _PROFILE = QoSProfile(1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_LEVEL = 50
+
+
+class _Speaker(threading.local):
+    """Whether a thread speaks for the recorder, and not for the program."""
+
+    is_recorder = False
+
+
+_speaker = _Speaker()
+
+
+@contextmanager
+def no_output() -> Iterator[None]:
+    """Log lines in this block as those of the recorder, which are no output of the program.
+
+    A replay has a recorder of its own, with a logger of its own.
+    """
+    before, _speaker.is_recorder = _speaker.is_recorder, True
+    try:
+        yield
+    finally:
+        _speaker.is_recorder = before
 
 
 class LogChannel:
@@ -27,7 +52,9 @@ class LogChannel:
         self._record = channels.channel(LOG_TOPIC, form.type_name, form.schema, metadata)
 
     def take(self, record: logging.LogRecord) -> None:
-        """Record what a logger of Python says."""
+        """Record what a logger of Python says, except for `no_output`."""
+        if _speaker.is_recorder:
+            return
         below = (record.exc_text, record.stack_info)
         text = "\n".join([record.getMessage(), *(lines for lines in below if lines)])
         place = (record.pathname, record.funcName or "", record.lineno)

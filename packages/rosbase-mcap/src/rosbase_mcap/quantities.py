@@ -5,7 +5,7 @@ import math
 import re
 from datetime import datetime, timezone
 
-__all__ = ["moment_ns", "size_bytes", "span_ns"]
+__all__ = ["moment_ns", "moments_ns", "size_bytes", "span_ns"]
 
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)\s*([a-zA-Z]*)")
 _SIZES = {"": 1, "B": 1, "K": 10**3, "KB": 10**3, "M": 10**6, "MB": 10**6, "G": 10**9, "GB": 10**9}
@@ -40,7 +40,7 @@ def moment_ns(text: str, start_ns: int) -> int:
     Raises:
         argparse.ArgumentTypeError: It is neither.
     """
-    if "-" in text or ":" in text:
+    if ("-" in text or ":" in text) and not text.startswith("-"):
         try:
             date = datetime.fromisoformat(text.replace("Z", "+00:00"))
         except ValueError:
@@ -50,6 +50,26 @@ def moment_ns(text: str, start_ns: int) -> int:
         gone = date - whole
         return (gone.days * 86_400 + gone.seconds) * 10**9 + gone.microseconds * 1_000
     return start_ns + span_ns(text)
+
+
+def moments_ns(start: str | None, end: str | None, start_ns: int) -> tuple[int | None, int | None]:
+    """Return two moments of a recording, as `moment_ns` does; None stays None.
+
+    Args:
+        start: The value of `--from`.
+        end: The value of `--to`.
+        start_ns: The start of the recording.
+
+    Raises:
+        argparse.ArgumentTypeError: One is none, or nothing is between them.
+    """
+    first = None if start is None else moment_ns(start, start_ns)
+    last = None if end is None else moment_ns(end, start_ns)
+    if last is not None and last < start_ns:
+        raise argparse.ArgumentTypeError(f"--to {end} is before the start of the recording")
+    if first is not None and last is not None and first > last:
+        raise argparse.ArgumentTypeError(f"--from {start} is after --to {end}")
+    return first, last
 
 
 def _read(text: str, units: dict[str, int] | dict[str, float], kind: str) -> float:

@@ -55,8 +55,8 @@ class Sink(Protocol):
         """End in order."""
         ...
 
-    def abandon(self) -> None:
-        """End as well as can be, after an OSError. Raises nothing."""
+    def abandon(self, reason: str) -> None:
+        """End as well as can be, after an OSError, and note the reason. Raises nothing."""
         ...
 
 
@@ -97,6 +97,8 @@ class Recorder:
         self._is_stopping = False
         self._is_broken = False
         self._unwritten = 0
+        self.written = 0
+        """Number of messages that the sink has taken."""
         self._said = 0
 
     @property
@@ -189,6 +191,7 @@ class Recorder:
             for first in range(0, len(items), _TURN):
                 turn = items[first : first + _TURN]
                 self._sink.add(turn)
+                self.written += len(turn)
                 if self._run is not None:
                     self._run.count(turn, self._table)
                 if not self._is_stopping:
@@ -215,7 +218,7 @@ class Recorder:
 
     def _break(self, error: Exception) -> None:
         self._is_broken = True
-        self._sink.abandon()
+        self._sink.abandon(str(error))
         # A disk explains itself; anything else is a mistake of ours.
         traceback = None if isinstance(error, (OSError, McapError)) else error
         self._logger.error(

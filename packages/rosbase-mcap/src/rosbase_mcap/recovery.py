@@ -30,7 +30,7 @@ from rosbase_mcap.records import (
 from rosbase_mcap.scanning import Found, records_in, records_of
 from rosbase_mcap.summary import Summary
 
-__all__ = ["Mended", "is_complete", "mend"]
+__all__ = ["Mended", "count_damaged", "is_complete", "mend"]
 
 _FOOTER_BYTES = PREFIX.size + 20
 
@@ -59,6 +59,25 @@ def is_complete(stream: BinaryIO) -> bool:
     stream.seek(size - len(MAGIC) - _FOOTER_BYTES)
     end = stream.read()
     return end.endswith(MAGIC) and end[:1] == bytes((Kind.FOOTER,))
+
+
+def count_damaged(stream: BinaryIO) -> int:
+    """Return the number of damaged parts of a file, whose messages cannot be read.
+
+    It reads the whole file. A part that was cut off at its end does not count.
+
+    Raises:
+        NotMcapError: It does not begin as an MCAP file does.
+    """
+    number, has_end = 0, False
+    for found in records_of(stream):
+        if found.kind == Kind.CHUNK and found.is_whole:
+            number += not _is_sound(found)
+        elif found.kind in (Kind.DATA_END, Kind.FOOTER):
+            has_end = True
+            break
+    # Where a length is damaged, nothing behind it is found.
+    return number + (is_complete(stream) and not has_end)
 
 
 def mend(source: BinaryIO, write: Callable[[bytes], object]) -> Mended:
@@ -94,6 +113,14 @@ def mend(source: BinaryIO, write: Callable[[bytes], object]) -> Mended:
     if not is_complete(source):
         mended.lost_bytes = source.seek(0, 2) - end
     return mended
+
+
+def _is_sound(found: Found) -> bool:
+    try:
+        unpacked(Chunk.read(found.content))
+    except McapError:
+        return False
+    return True
 
 
 def _header(found: Found) -> Header:

@@ -78,7 +78,7 @@ class Ring:
     def close(self) -> None:
         """Do nothing, as above."""
 
-    def abandon(self) -> None:
+    def abandon(self, reason: str) -> None:
         """Do nothing, as above."""
 
     def save(self, path: Path) -> int:

@@ -6,6 +6,7 @@ anything is read, and of a record that is not whole only what is there is return
 
 import os
 from collections.abc import Iterator
+from os import PathLike
 from typing import BinaryIO
 
 from attrs import frozen
@@ -44,7 +45,9 @@ def records_of(stream: BinaryIO) -> Iterator[Found]:
     stream.seek(0)
     start = stream.read(len(MAGIC))
     if start != MAGIC:
-        raise NotMcapError("this is no MCAP file")
+        name = getattr(stream, "name", None)
+        where = f"{name}: " if isinstance(name, (str, PathLike)) else ""
+        raise NotMcapError(f"{where}this is no MCAP file")
     at = len(MAGIC)
     while at + PREFIX.size <= size:
         stream.seek(at)

@@ -7,7 +7,7 @@ from typing import Any
 from rosbase import Backend, BackendError, Graph, MessageFormat, RosbaseLogger, Tap, TopicEnd
 from rosbase_mcap.channel_table import LATCHED, QOS, Channels
 from rosbase_mcap.errors import McapError
-from rosbase_mcap.log_channel import LOG_TOPIC
+from rosbase_mcap.log_channel import LOG_TOPIC, no_output
 from rosbase_mcap.qos_text import profiles_text
 
 __all__ = ["TopicTaps", "wanted"]
@@ -88,7 +88,7 @@ class TopicTaps:
         try:
             return self._hear(topic, ends)
         except (BackendError, McapError, TypeError) as error:
-            self._logger.warning(f"{topic} is not recorded: {error}")
+            self._complain(f"{topic} is not recorded: {error}")
             return None
 
     def _hear(self, topic: str, ends: list[TopicEnd]) -> Tap:
@@ -121,9 +121,13 @@ class TopicTaps:
             nonlocal is_said
             if not is_said:
                 is_said = True
-                self._logger.warning(f"a message of {topic} is not recorded: {error}")
+                self._complain(f"a message of {topic} is not recorded: {error}")
 
         return refuse
+
+    def _complain(self, line: str) -> None:
+        with no_output():
+            self._logger.warning(line)
 
 
 def wanted(topics: Iterable[str], *, log: bool = False) -> Callable[[str], bool]:

@@ -16,6 +16,7 @@ from rosbase_mcap.errors import McapError
 from rosbase_mcap.records import Attachment, Metadata
 
 __all__ = [
+    "BROKEN",
     "END",
     "RUN",
     "Run",
@@ -31,6 +32,8 @@ __all__ = [
 
 RUN, END = "rosbase:run", "rosbase:end"
 """Names of the metadata: at the start of each file, and at the end of the last."""
+BROKEN = "rosbase:broken"
+"""Name of the metadata that says why a recording ends before its program."""
 _TRACE = "rosbase/trace/"
 _MEDIA_TYPE = "application/vnd.rosbase.trace"
 _FORMAT = 1

@@ -39,6 +39,8 @@ class Kind(IntEnum):
 
     Not a `READ_DATE`, so that a replay at another log level reads the same for all else.
     """
+    PERIOD = 8
+    """Something that the program runs again and again: class, number, period in nanoseconds."""
 
     # Entries.
     BEGIN = 16
@@ -106,6 +108,7 @@ INTS: dict[int, int] = {
     Kind.NEW: 2,
     Kind.SPOIL: 1,
     Kind.READ_LOG: 1,
+    Kind.PERIOD: 3,
     Kind.BEGIN: 1,
     Kind.TICK: 3,
     Kind.TICK_END: 2,
@@ -159,6 +162,7 @@ IS_NOTE: frozenset[int] = frozenset(
         Kind.FACT,
         Kind.NEW,
         Kind.SPOIL,
+        Kind.PERIOD,
     }
 )
 """The kinds that belong to an entry; all others begin one."""
@@ -179,6 +183,8 @@ class Numbered(IntEnum):
     TRANSPORT = 7
     THREAD = 8
     """A thread of the user that calls `call_soon`; noted at its first call."""
+    LOOP = 9
+    """The main loop, which has a period only; its number is 0."""
 
 
 class TimerOp(IntEnum):

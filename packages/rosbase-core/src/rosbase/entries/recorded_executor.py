@@ -227,6 +227,7 @@ class RecordedExecutor(Executor):
     def _new_timer(self, period_ns: int, callback: Callable[[], object]) -> ExecutorTimer:
         timer = RecordedTimer(self, period_ns, callback)
         timer.number = self.recorder.number(Numbered.TIMER, name_of(callback))
+        self.recorder.note_period(Numbered.TIMER, timer.number, period_ns)
         return timer
 
     def _post(self, queue: Callable[[], object]) -> None:

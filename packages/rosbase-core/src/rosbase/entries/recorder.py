@@ -161,6 +161,11 @@ class Recorder:
         self.trace.note(Kind.NEW, what, number, payload=text.encode("utf-8", "replace"))
         return number
 
+    def note_period(self, what: Numbered, number: int, period_ns: int) -> None:
+        """Note how often something runs that the program has created."""
+        if number != _OUTSIDE:
+            self.trace.note(Kind.PERIOD, what, number, period_ns)
+
     def register(self, kind: Kind, play: Play) -> None:
         """Do nothing: only a replay plays."""
 

@@ -17,6 +17,7 @@ __all__ = ["NO_NOTES", "Creation", "Entry", "Notes", "read_entries"]
 _KINDS: dict[int, Kind] = {int(kind): kind for kind in Kind}
 _READ_MONO, _READ_DATE, _READ_SLEPT = map(int, (Kind.READ_MONO, Kind.READ_DATE, Kind.READ_SLEPT))
 _READ_LOG, _FACT, _NEW = map(int, (Kind.READ_LOG, Kind.FACT, Kind.NEW))
+_PERIOD = int(Kind.PERIOD)
 # Nobody can add to it. A deque takes a kilobyte, so only what there is has one.
 _NOTHING: deque[Any] = deque(maxlen=0)
 
@@ -51,6 +52,8 @@ class Notes:
     """Answers about things outside."""
     created: deque[Creation] = _NOTHING
     """Objects that the program created."""
+    periods: deque[Sequence[int]] = _NOTHING
+    """Class, number and period of objects that run again and again, in nanoseconds."""
     spoiled: str = ""
     """Why the run cannot be replayed from here on; empty if it can."""
 
@@ -138,6 +141,8 @@ def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[b
     elif code == _NEW:
         made = Creation(numbers[0], numbers[1], payloads.popleft().decode())
         notes.created = _joined(notes.created, made)
+    elif code == _PERIOD:
+        notes.periods = _joined(notes.periods, numbers)
     else:
         notes.spoiled = payloads.popleft().decode()
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from rosbase.entries.kinds import Kind
+from rosbase.entries.kinds import Kind, Numbered
 from rosbase.entries.recorded_executor import RecordedExecutor
 from rosbase.runtime.early_wake import EarlyWake
 from rosbase.runtime.executor import Executor, GuestCall
@@ -37,6 +37,7 @@ def run_recorded_loop(
     begin, begin_tick, end_tick = recorder.trace.begin, int(Kind.TICK), int(Kind.TICK_END)
     rate = Rate(frequency_hz, monotonic_ns())
     deadline_ns = rate.deadline_ns
+    recorder.note_period(Numbered.LOOP, 0, round(_NS_PER_S / frequency_hz))
     early = EarlyWake(_NS_PER_S / float(frequency_hz)) if is_precise else None
     ticks_between = range(max(1, min(LoopStats.MANY_TICKS, int(frequency_hz / 2))))
     # No other thread, and no signal handler, has called during a nap.

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rosbase.entries.kinds import Kind
+from rosbase.entries.kinds import Kind, Numbered
 from rosbase.entries.replaying.replayed_executor import ReplayedExecutor
 from rosbase.entries.script import Entry
 from rosbase.runtime.executor import Executor
@@ -16,6 +16,7 @@ __all__ = ["run_replayed_loop"]
 
 # In Python 3.11, to find a member takes 0.2 us.
 _TICK, _TICK_END = Kind.TICK, Kind.TICK_END
+_NS_PER_S = 1e9
 
 
 def run_replayed_loop(
@@ -34,6 +35,7 @@ def run_replayed_loop(
     assert isinstance(executor, ReplayedExecutor)
     player = executor.player
     loop = _Loop(player, tick, stats)
+    player.check_period(Numbered.LOOP, 0, round(_NS_PER_S / frequency_hz))
     # The recorded loop asked at these places whether to stop.
     while not stopping():
         entry = executor.follow_to_loop()

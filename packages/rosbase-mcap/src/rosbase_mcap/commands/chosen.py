@@ -5,7 +5,7 @@ from typing import Any, BinaryIO
 
 from rosbase import ConfigurationError
 from rosbase_mcap.commands.intermixed import allow_intermixed
-from rosbase_mcap.quantities import moment_ns
+from rosbase_mcap.quantities import moments_ns
 from rosbase_mcap.reading import Selection, read_summary
 from rosbase_mcap.recovery import mend
 
@@ -32,10 +32,7 @@ def selection_of(arguments: Any, stream: BinaryIO) -> Selection:
     topics = [_full(topic, there) for topic in arguments.topics]
     first_ns = summary.start_ns or 0
     try:
-        start, end = (
-            None if text is None else moment_ns(text, first_ns)
-            for text in (arguments.start, arguments.end)
-        )
+        start, end = moments_ns(arguments.start, arguments.end, first_ns)
     except argparse.ArgumentTypeError as error:
         raise ConfigurationError(str(error)) from None
     return Selection(frozenset(topics), start, end)

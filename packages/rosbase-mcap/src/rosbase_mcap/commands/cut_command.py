@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from rosbase_mcap.commands.chosen import add_selection, selection_of
-from rosbase_mcap.commands.opened import opened, written
+from rosbase_mcap.commands.opened import opened, say_damage, written
 from rosbase_mcap.compression import COMPRESSIONS
 from rosbase_mcap.cutting import cut
 
@@ -24,6 +24,7 @@ def run(arguments: Any) -> int:
     """Copy a part of a file."""
     with opened(arguments.file) as stream:
         selection = selection_of(arguments, stream)
+        say_damage(arguments.file, stream)
         with written(arguments.output) as write:
             number = cut(stream, write, selection, compression=arguments.compression)
     print(f"{arguments.output}: {number} messages")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from rosbase_mcap.commands.chosen import add_selection, selection_of
-from rosbase_mcap.commands.opened import opened
+from rosbase_mcap.commands.opened import opened, say_damage
 from rosbase_mcap.csv_export import export_csv
 from rosbase_mcap.errors import McapError
 
@@ -31,9 +31,12 @@ def run(arguments: Any) -> int:
     folder: Path = arguments.output or arguments.file.with_suffix("")
     with opened(arguments.file) as stream:
         selection = selection_of(arguments, stream)
+        say_damage(arguments.file, stream)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             rows = export_csv(stream, folder, selection)
+        except FileExistsError as error:
+            raise McapError(f"{error.filename}: there is such a file already") from error
         except OSError as error:
             raise McapError(f"{error.filename or folder}: {error.strerror or error}") from error
     for path, number in rows.items():

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from rosbase_mcap.commands.opened import opened
+from rosbase_mcap.commands.opened import opened, say_damage
 from rosbase_mcap.facts_text import facts_lines
 from rosbase_mcap.reading import read_summary
 from rosbase_mcap.records import Header, Kind
@@ -26,6 +26,7 @@ def run(arguments: Any) -> int:
         profile = _profile(stream)
         size = stream.seek(0, 2)
         summary = read_summary(stream)
+        say_damage(path, stream)
         print(f"file:      {path}")
         if summary is None:
             summary = mend(stream, lambda data: None).summary

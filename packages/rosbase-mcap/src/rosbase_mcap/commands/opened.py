@@ -1,6 +1,7 @@
 """Files as the commands open and write them."""
 
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,8 +9,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.recovery import count_damaged
 
-__all__ = ["opened", "written"]
+__all__ = ["damage_text", "opened", "say_damage", "written"]
 
 
 @contextmanager
@@ -21,10 +23,26 @@ def opened(path: Path) -> Iterator[BinaryIO]:
     """
     try:
         stream = path.open("rb")
+    except IsADirectoryError:
+        inner = ", ".join(str(file) for file in sorted(path.glob("*.mcap")))
+        instead = f"give a file in it: {inner}" if inner else "no MCAP file is in it"
+        raise McapError(f"{path} is a folder: {instead}") from None
     except OSError as error:
         raise McapError(f"{path}: {error.strerror or error}") from error
     with stream:
         yield stream
+
+
+def damage_text(stream: BinaryIO) -> str:
+    """Return how many chunks of a recording are damaged; empty if none are."""
+    number = count_damaged(stream)
+    return f"{number} damaged chunk{'s' if number > 1 else ''}" if number else ""
+
+
+def say_damage(path: Path, stream: BinaryIO) -> None:
+    """Say in a line on stderr that chunks of a recording are damaged, if some are."""
+    if text := damage_text(stream):
+        print(f"{path}: {text}: messages are missing", file=sys.stderr)
 
 
 @contextmanager

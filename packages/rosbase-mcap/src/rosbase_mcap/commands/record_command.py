@@ -39,11 +39,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="name or process id of the program")
     parser.add_argument("topics", nargs="*", metavar="TOPIC", help="topics; by default, all")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the recording")
-    parser.add_argument("--split-size", type=size_bytes, default=0, help="such as 1GB")
-    parser.add_argument("--split-time", type=span_ns, default=0, help="such as 10min")
+    parser.add_argument("--split-size", type=_positive(size_bytes), default=0, help="such as 1GB")
+    parser.add_argument("--split-time", type=_positive(span_ns), default=0, help="such as 10min")
     parser.add_argument("--duration", type=span_ns, help="end after this time, such as 60s")
     parser.add_argument(
-        "--last", type=span_ns, help="keep only this time, such as 60s, and write it at the end"
+        "--last",
+        type=_positive(span_ns),
+        help="keep only this time, such as 60s, and write it at the end",
     )
     parser.add_argument("--compression", choices=COMPRESSIONS[1:], default="")
     parser.add_argument(
@@ -61,11 +63,14 @@ def run(arguments: Any) -> int:
     fleet = connect(name)
     if arguments.save:
         return _save(fleet)
+    topics = [f"/{topic.lstrip('/')}" for topic in arguments.topics]
+    missing = _missing(fleet, topics)
     path = arguments.output or _default_path(arguments.name)
     table, logger = ChannelTable(), make_logger("record")
     sink = _sink(arguments, path, table)
     recorder = Recorder(sink, table, logger)
-    topics = [f"/{topic.lstrip('/')}" for topic in arguments.topics]
+    if missing:
+        logger.warning(missing)
     attached = AttachedTopics(fleet, recorder, SystemClock(), logger.warning, topics)
     recorder.start()
     try:
@@ -75,15 +80,43 @@ def run(arguments: Any) -> int:
             if not topics or LOG_TOPIC in topics:
                 pids = [process["pid"] for process in fleet.processes()]
                 attached.hear_log(pids, LogChannel(recorder))
-            number = _record(attached, recorder, arguments.duration, is_asked)
+            _record(attached, recorder, arguments.duration, is_asked)
     finally:
         attached.close()
         recorder.stop()
-    if isinstance(sink, Ring):
-        number = _saved(sink, path)
+    number = _saved(sink, path) if isinstance(sink, Ring) else recorder.written
     lost = attached.lost + recorder.dropped
     print(f"{path}: {number} messages" + (f", {lost} are missing" if lost else ""))
     return 1 if recorder.is_broken else 0
+
+
+def _positive(read: Callable[[str], int]) -> Callable[[str], int]:
+    """Return a function that refuses 0, too."""
+
+    def read_positive(text: str) -> int:
+        if value := read(text):
+            return value
+        raise argparse.ArgumentTypeError(f"{text!r} is not more than 0")
+
+    return read_positive
+
+
+def _missing(fleet: Fleet, topics: list[str]) -> str:
+    """Return a line about topics that no program has yet; empty if there are none.
+
+    Raises:
+        ConfigurationError: The programs have none of the topics.
+    """
+    if not topics:
+        return ""
+    there = {topic["name"] for topic in fleet.topics()} | {PARAMETER_EVENTS, LOG_TOPIC}
+    missing = [topic for topic in topics if topic not in there]
+    if not missing:
+        return ""
+    line = f"no topic {', '.join(missing)}; there are: {', '.join(sorted(there))}"
+    if len(missing) == len(topics):
+        raise ConfigurationError(line)
+    return line
 
 
 def _sink(arguments: Any, path: Path, table: ChannelTable) -> FileSink | Ring:
@@ -125,9 +158,9 @@ def _record(
     recorder: Recorder,
     duration_ns: int | None,
     is_asked_to_stop: Callable[[], bool],
-) -> int:
-    """Record until an end; return the number of messages."""
-    clock, number = SystemClock(), 0
+) -> None:
+    """Record until an end."""
+    clock = SystemClock()
     look_ns = clock.monotonic_ns()
     end_ns = None if duration_ns is None else look_ns + duration_ns
     while not (recorder.is_broken or is_asked_to_stop()):
@@ -139,8 +172,7 @@ def _record(
             look_ns = now_ns + _LOOK_NS
         if attached.is_over:
             break
-        number += attached.take(_WAIT_S)
-    return number
+        attached.take(_WAIT_S)
 
 
 def _default_path(name: str) -> Path:

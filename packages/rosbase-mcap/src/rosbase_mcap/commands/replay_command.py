@@ -11,7 +11,7 @@ from attrs import evolve
 from rosbase import ConfigurationError, take_arguments
 from rosbase_mcap.bags import is_mcap, open_bag
 from rosbase_mcap.commands.intermixed import allow_intermixed
-from rosbase_mcap.quantities import moment_ns
+from rosbase_mcap.quantities import moments_ns
 from rosbase_mcap.replaying.options import ReplayOptions, check_options
 from rosbase_mcap.replaying.run_file import RunFile, open_run
 from rosbase_mcap.surroundings import restored_environment
@@ -62,6 +62,8 @@ def run(arguments: Any) -> int:
     recorded = open_run(path) if is_mcap(path) else None
     options = _options(arguments, recorded)
     check_options(options, recorded)
+    if options.checks and recorded is not None:
+        recorded.check_undamaged()
     words = arguments.backend_arguments[1:]
     facts = recorded.run.facts.more if recorded is not None else {}
     argv = facts.get("argv")
@@ -96,13 +98,11 @@ def _options(arguments: Any, recorded: RunFile | None) -> ReplayOptions:
         return options
     first_ns = recorded.run.facts.start_date_ns if recorded is not None else _start_ns(options.path)
     try:
-        start, end = (
-            None if text is None else max(0, moment_ns(text, first_ns) - first_ns)
-            for text in (arguments.start, arguments.end)
-        )
+        start, end = moments_ns(arguments.start, arguments.end, first_ns)
     except argparse.ArgumentTypeError as error:
         raise ConfigurationError(str(error)) from None
-    return evolve(options, start_ns=start or 0, end_ns=end)
+    since_ns = 0 if start is None else max(0, start - first_ns)
+    return evolve(options, start_ns=since_ns, end_ns=None if end is None else end - first_ns)
 
 
 def _start_ns(path: Path) -> int:

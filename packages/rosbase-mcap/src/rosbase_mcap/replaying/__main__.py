@@ -5,14 +5,19 @@ import sys
 import traceback
 
 from rosbase import RosbaseError
+from rosbase.logger.console import use_console
 from rosbase.text.printable import MOST_LINE, one_line
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.replaying.late_console import LateConsole
 from rosbase_mcap.replaying.options import ReplayOptions
 from rosbase_mcap.replaying.report import report_lines, status_of
 from rosbase_mcap.replaying.session import Session
 from rosbase_mcap.surroundings import differences
 
 __all__ = ["main"]
+
+# As a shell has it: 128 and the number of SIGINT.
+_INTERRUPTED = 130
 
 
 def main() -> int:
@@ -40,6 +45,7 @@ def main() -> int:
 def _run(session: Session, words: list[str]) -> int:
     """Run the program as `rosbase run` does; return its exit status."""
     sys.argv = ["rosbase", *words]
+    use_console(LateConsole(lambda: session.is_early))
     with session.conducting():
         try:
             runpy.run_module("rosbase.program", run_name="__main__", alter_sys=True)
@@ -47,12 +53,12 @@ def _run(session: Session, words: list[str]) -> int:
             return _status(end)
         except McapError:
             raise
-        except Exception:
+        except BaseException as error:
             # Of the program, which may have ended so in the recording, too.
             if not session.has_begun:
                 raise
             traceback.print_exc()
-            return 1
+            return _INTERRUPTED if isinstance(error, KeyboardInterrupt) else 1
     return 0
 
 

@@ -1,6 +1,6 @@
 """`replay()`: a recording as a test of a program."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from rosbase.errors import ConfigurationError
 from rosbase.messages.lifecycle_msgs import TransitionEvent
 from rosbase.messages.rcl_interfaces import Log, ParameterEvent
 from rosbase.wire.plain import decoder
+from rosbase_mcap.errors import McapError
 from rosbase_mcap.log_channel import LOG_TOPIC
 from rosbase_mcap.outputs import Output
 from rosbase_mcap.records import Schema
@@ -29,11 +30,19 @@ class Replay:
     """The output of a replayed program."""
 
     def __init__(
-        self, session: Session, outputs: list[Output], difference: str, error: Exception | None
+        self,
+        session: Session,
+        outputs: list[Output],
+        difference: str,
+        error: BaseException | None,
+        kept: Collection[str] | None = None,
     ) -> None:
         outcome = session.outcome
         self._outputs, self._schemas = outputs, session.schemas
         self._start_ns = session.start_ns
+        recorded = session.run.schemas if session.run is not None else {}
+        known = {*session.schemas, *recorded}
+        self._known = sorted(known if kept is None else known & set(kept))
         self.difference = difference
         """Where the program begins to differ from the recording, as lines for people; empty if it
         does not. Only a replay of all inputs is compared."""
@@ -54,12 +63,29 @@ class Replay:
 
         Args:
             name: Its name; `/` in front may be left out.
+
+        Raises:
+            ConfigurationError: Neither the program nor the recording has such a topic, or its
+                messages are not kept. The error names the topics.
         """
         return [message for _, message in self.stamped(name)]
 
     def stamped(self, name: str) -> list[tuple[float, Any]]:
-        """Return the messages of a topic, each with its time in seconds since the start."""
+        """Return the messages of a topic, each with its time in seconds since the start.
+
+        Args:
+            name: Its name; `/` in front may be left out.
+
+        Raises:
+            ConfigurationError: As for `topic`.
+        """
         full = f"/{name.lstrip('/')}"
+        if full not in self._known:
+            known = ", ".join(self._known) or "none"
+            raise ConfigurationError(f"no topic {full} in this replay; there are: {known}")
+        return self._messages(full)
+
+    def _messages(self, full: str) -> list[tuple[float, Any]]:
         schema = self._schemas.get(full)
         if schema is None:
             return []
@@ -83,12 +109,12 @@ class Replay:
     @property
     def parameters(self) -> list[ParameterEvent]:
         """Declared and changed parameters."""
-        return self.topic(_PARAMETERS)
+        return [message for _, message in self._messages(_PARAMETERS)]
 
     @property
     def log(self) -> list[Log]:
         """Lines of the log."""
-        return self.topic(LOG_TOPIC)
+        return [message for _, message in self._messages(LOG_TOPIC)]
 
 
 def replay(
@@ -115,7 +141,11 @@ def replay(
     Raises:
         McapError: The file cannot be read.
         ConfigurationError: It cannot be replayed in that way, or `program` is no program.
+        BaseException: What ends the program, unless the same has ended the recorded one; that is
+            `Replay.error`.
     """
+    if not callable(program):
+        raise ConfigurationError(f"{program!r} is no class and no function")
     names = None if topics is None else tuple(f"/{topic.lstrip('/')}" for topic in topics)
     wanted = None if keep is None else {f"/{topic.lstrip('/')}" for topic in keep}
     outputs: list[Output] = []
@@ -133,13 +163,24 @@ def replay(
         raise ConfigurationError(f"{program!r} is no manager and no standalone node")
     found = session.outcome.difference
     difference = "" if found is None else str(found)
-    reasons = differences(facts, "") if facts is not None and difference else []
+    reasons = _reasons(session, facts) if facts is not None and difference else []
     if reasons:
         difference += f"\nthis may be why: {'; '.join(reasons)}"
-    return Replay(session, outputs, difference, error)
+    return Replay(session, outputs, difference, error, wanted)
 
 
-def _run(session: Session, program: Any) -> Exception | None:
+def _reasons(session: Session, facts: Mapping[str, Any]) -> list[str]:
+    """Return why a replay may differ although the program is the same."""
+    reasons = differences(facts, "")
+    try:
+        if session.run is not None:
+            session.run.check_undamaged()
+    except McapError as error:
+        reasons.append(str(error))
+    return reasons
+
+
+def _run(session: Session, program: Any) -> BaseException | None:
     """Run the program; return the error that has ended it if it ended the recorded one too."""
     try:
         made = program()
@@ -149,7 +190,7 @@ def _run(session: Session, program: Any) -> Exception | None:
             made.start_spin_standalone()
     except SystemExit:
         return None
-    except Exception as error:
+    except BaseException as error:
         end = session.run.end if session.run is not None else None
         if end is None or end.facts.ended_by != f"{type(error).__name__}: {error}":
             raise

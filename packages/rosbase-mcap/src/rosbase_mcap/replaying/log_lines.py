@@ -8,8 +8,8 @@ from rosbase.messages.rcl_interfaces import Log
 
 __all__ = ["comparable_line"]
 
-# Of an object without a name: `<Gait object at 0x7f3a>`.
-_ADDRESS = re.compile(r"\b0x[0-9a-f]{4,16}\b")
+# Of an object without a name: `<Gait object at 0x7f3a5c10>`. Any other number is the program's.
+_ADDRESS = re.compile(r"(?<= at )0x[0-9a-fA-F]{6,16}\b")
 _BELOW = re.compile(r"\n\s*(?:\+ Exception Group )?(?:Traceback|Stack) \(most recent call last\):")
 _decode = message_format(Log).decode
 

@@ -18,7 +18,7 @@ from rosbase.entries.sink import RunFacts
 from rosbase_mcap.bags import Bag, is_mcap, open_bag
 from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.records import Schema
-from rosbase_mcap.replaying.difference import Comparison, Difference, Flow
+from rosbase_mcap.replaying.difference import Comparison, Difference, Flow, clock_text
 from rosbase_mcap.replaying.late_pace import LatePace
 from rosbase_mcap.replaying.listener import Listener
 from rosbase_mcap.replaying.options import ReplayOptions, check_options
@@ -99,6 +99,15 @@ class Session:
         return self._player is not None
 
     @property
+    def is_early(self) -> bool:
+        """Whether the replay is before the moment from which it is shown."""
+        player, options = self._player, self._options
+        if player is None or options.topics is not None:
+            # A replay of topics starts there.
+            return False
+        return player.machine.t_ns < options.start_ns
+
+    @property
     def outcome(self) -> Outcome:
         """The result. Only when the block of `conducting` has ended."""
         assert self._outcome is not None
@@ -119,9 +128,9 @@ class Session:
         entries = self._script(whole)
         first = next(entries, None)
         if first is None:
-            raise ConfigurationError(
-                f"{self._options.path} has no entry: its program was killed in the first second"
-            )
+            killed = "its program was killed in the first second, or the disk was full"
+            why = killed if run.end is None else "its first entries are damaged"
+            raise ConfigurationError(f"{self._options.path} has no entry: {why}")
         script = chain([first], entries)
         self._comparison = Comparison(outputs, run.schemas, start_ns, context=self._context)
         listener = Listener(run.run.topics, self._declare, self._take)
@@ -213,7 +222,16 @@ class Session:
         self._note_flow(comparison, player)
         last = player.last
         end_ns = None if last.kind is Kind.END else player.facts.start_date_ns + last.t_ns
-        return comparison.finish(player.entry.number, end_ns)
+        found = comparison.finish(player.entry.number, end_ns)
+        flow = player.difference
+        if found is None or flow is None:
+            return found
+        lines = [*found.context]
+        if found.flow is None:
+            # A message was another before the program took another way.
+            lines.append(f"then, at {clock_text(flow.t_ns)}, entry {flow.number}: {flow.what}")
+        lines += [player.ended_early] if player.ended_early else []
+        return evolve(found, context=tuple(lines))
 
     def _cut_short(self) -> str:
         player = self._player
@@ -223,5 +241,10 @@ class Session:
             return player.spoiled
         if player.was_interrupted:
             return "it was stopped"
-        is_whole = player.last.kind is Kind.END or self._options.end_ns is not None
-        return "" if is_whole else "the recording has no end: its program was killed"
+        if player.last.kind is Kind.END or self._options.end_ns is not None:
+            return ""
+        if player.difference is not None and player.inputs.next_ns is not None:
+            # The changed program has ended, not the recording.
+            return ""
+        no_end = self.run.no_end if self.run is not None else ""
+        return no_end or "the entries behind that are missing or damaged"

@@ -7,7 +7,7 @@ from attrs import frozen
 from rosbase.entries.kinds import NUMBERED, SECTION_OPS, Kind, Numbered
 from rosbase.entries.script import Entry
 
-__all__ = ["FlowDifference", "entry_text", "joined", "time_text"]
+__all__ = ["FlowDifference", "entry_text", "joined", "period_text", "time_text"]
 
 _WORDS = {
     Kind.BEGIN: "the construction",
@@ -78,6 +78,20 @@ def time_text(t_ns: int) -> str:
     """Return a time since the start of a run as minutes, seconds and milliseconds."""
     minutes, milliseconds = divmod(t_ns // _NS_PER_MS, 60_000)
     return f"{minutes:02}:{milliseconds // 1000:02}.{milliseconds % 1000:03}"
+
+
+def period_text(what: int, text: str, period_ns: int, recorded_ns: int) -> str:
+    """Return that something runs more often than in the recording, or less often.
+
+    Args:
+        what: Its class.
+        text: Its text.
+        period_ns: Its period, in nanoseconds.
+        recorded_ns: The period that it had.
+    """
+    if what == Numbered.LOOP:
+        return f"the main loop has rate {1e9 / period_ns:g} Hz, recorded {1e9 / recorded_ns:g} Hz"
+    return f"timer {text} has period {period_ns / 1e9:g} s, recorded {recorded_ns / 1e9:g} s"
 
 
 def _what(entry: Entry, text_of: _TextOf) -> str:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable
+from itertools import chain, islice
 from typing import Any, TypeVar
 
 from rosbase.entries.conductor import Play
@@ -10,7 +11,13 @@ from rosbase.entries.log_entrance import LogEntrance
 from rosbase.entries.outcomes import error_from_json
 from rosbase.entries.payloads import Json, Payload, from_json
 from rosbase.entries.replaying.entered import Entered
-from rosbase.entries.replaying.flow import FlowDifference, entry_text, joined
+from rosbase.entries.replaying.flow import (
+    FlowDifference,
+    entry_text,
+    joined,
+    period_text,
+    time_text,
+)
 from rosbase.entries.replaying.inputs import INPUTS, Input, Inputs, inputs_of
 from rosbase.entries.replaying.pace import Pace
 from rosbase.entries.replaying.posted import PostedCalls
@@ -28,7 +35,11 @@ __all__ = ["Player"]
 T = TypeVar("T")
 
 _REMEMBERED = 5
+# A signal that the program sends itself asks for a stop after what waits already.
+_SOON = 50
 _OUTSIDE = -1
+# A program that goes on has them.
+_REGULAR = frozenset({Kind.TICK, Kind.TIMER})
 _IN_SECTIONS = INPUTS | {Kind.SECTION}
 # In Python 3.11, to find a member takes longer than all else with an entry.
 _TICK, _POSTED = Kind.TICK, Kind.POSTED
@@ -75,6 +86,8 @@ class Player:
         """Whether messages of the recorded program left its process."""
         self.difference: FlowDifference | None = None
         """The first difference of the flow; None if the program has followed the script."""
+        self.ended_early = ""
+        """That the program has ended before the recording, if another difference came first."""
         self.spoiled = ""
         """Why the script could not be followed to its end; empty if it could."""
         self.is_free = False
@@ -92,6 +105,7 @@ class Player:
         self._script = iter(script)
         # The one that was read last, if the replay is free.
         self._last: Entry | None = None
+        self._left: Iterable[Entry] = ()
         self._sink, self._pace = sink, pace
         self._registry = Registry()
         self._handlers: dict[int, Play] = {}
@@ -101,6 +115,8 @@ class Player:
         self._threads: dict[int, str] = {}
         self._recent: deque[Entry] = deque(maxlen=_REMEMBERED)
         self._created: deque[tuple[int, str]] = deque()
+        # Recorded periods of objects that the program has not created yet.
+        self._periods: dict[tuple[int, int], int] = {}
         self._ticks = 0
         self._executor: ReplayedExecutor | None = None
         self._is_ended = False
@@ -133,14 +149,15 @@ class Player:
         if self._is_ended:
             return
         self._is_ended = True
+        if not self.is_free and self.next is not None and self._goes_on():
+            self._leave(self._early_end(self._rest([self.next]), goes_on=True))
+        elif self.difference is not None and not self.was_interrupted:
+            self.ended_early = self._early_end(self._left)
         # What other threads did until the last moment.
-        while not self.is_free and self.next is not None and self.next.kind in INPUTS:
-            if (entry := self.take()) is not None:
+        while not self.is_free and self.next is not None:
+            entry = self.take()
+            if entry is not None and entry.kind in INPUTS:
                 self.play(entry)
-        if not self.is_free and self.next is not None and self.next.kind != Kind.END:
-            self.differ("the program ends")
-        elif not self.is_free:
-            self.take()
         self._log.end()
         self._posted.close()
         self._entered.close()
@@ -244,6 +261,13 @@ class Player:
             self._pace.wait(entry.t_ns, self._is_over)
         return entry
 
+    def check_period(self, what: Numbered, number: int, period_ns: int) -> None:
+        """Compare how often something runs with the recording, which may not say it."""
+        recorded_ns = self._periods.pop((what, number), period_ns)
+        if recorded_ns != period_ns and not self.is_free:
+            text = self._registry.recorded_text(what, number)
+            self._leave(period_text(what, text, period_ns, recorded_ns))
+
     def play(self, entry: Entry) -> None:
         """Let an entry that came from outside come in."""
         kind = entry.kind
@@ -275,10 +299,17 @@ class Player:
             return
         recorded = entry or self.next
         if recorded is not None:
-            what += f"; in the recording: {self._text(recorded)}"
-            self.difference = self._flow_difference(what)
-        rest = [] if self.next is None else [self.next]
-        self._go_free(Inputs(inputs_of(self._rest(rest), self._play_free, self._stop)))
+            self._leave(f"{what}; in the recording: {self._text(recorded)}")
+        else:
+            self._go_on_freely()
+
+    def is_about_to_stop(self) -> bool:
+        """Return whether the script stops the program soon. For signal handlers."""
+        try:
+            return not self.is_free and Kind.STOP in self._kinds_ahead()
+        except ValueError:
+            # The script is being read: the handler has interrupted that.
+            return False
 
     def interrupt(self) -> None:
         """Stop following the script, because a signal ends the replay. For signal handlers."""
@@ -319,6 +350,8 @@ class Player:
     def _note(self, entry: Entry) -> None:
         """Note what the entry creates, and whether the script ends with it."""
         self._note_created(entry)
+        for what, number, period_ns in entry.notes.periods:
+            self._periods[what, number] = period_ns
         if entry.notes.spoiled:
             self.spoiled = entry.notes.spoiled
             self._script = iter(())
@@ -363,10 +396,45 @@ class Player:
             yield coming
         yield Input(t_ns, self._stop)
 
+    def _goes_on(self) -> bool:
+        """Return whether the script has more than what others did, and its end."""
+        ahead, coming = list[Entry](), self.next
+        while coming is not None and coming.kind in INPUTS and not coming.notes.spoiled:
+            coming = next(self._script, None)
+            if coming is not None:
+                ahead.append(coming)
+        self._script = chain(ahead, self._script)
+        return coming is not None and coming.kind not in INPUTS | {Kind.END}
+
+    def _kinds_ahead(self) -> set[int]:
+        """Return the kinds of the next entries."""
+        ahead = list(islice(self._script, _SOON))
+        self._script = chain(ahead, self._script)
+        coming = [] if self.next is None else [self.next]
+        return {entry.kind for entry in (*coming, *ahead)}
+
+    def _early_end(self, left: Iterable[Entry], *, goes_on: bool = False) -> str:
+        """Return that the program ends before the script; empty if it does not."""
+        for entry in left:
+            self._last = entry
+            goes_on = goes_on or entry.kind in _REGULAR
+        now, end = time_text(self.machine.t_ns), time_text(self.last.t_ns)
+        return f"the program ends at {now}, and the recording goes on to {end}" if goes_on else ""
+
+    def _leave(self, what: str) -> None:
+        """Note the first difference, and no longer follow the script."""
+        self.difference = self._flow_difference(what)
+        self._go_on_freely()
+
+    def _go_on_freely(self) -> None:
+        self._left = self._rest([] if self.next is None else [self.next])
+        self._go_free(Inputs(inputs_of(self._left, self._play_free, self._stop)))
+
     def _go_free(self, inputs: Inputs) -> None:
         self.is_free = True
         self.next = None
         self._created.clear()
+        self._periods.clear()
         self.inputs = inputs
         self.clock.begin_free()
         if self._executor is not None:

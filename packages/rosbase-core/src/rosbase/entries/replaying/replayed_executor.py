@@ -106,7 +106,12 @@ class ReplayedExecutor(Executor):
             function()
 
     def in_signal(self, function: Callable[[], object]) -> None:
-        """Call a function for a signal: it ends the replay, of which the script knows nothing."""
+        """Call a function for a signal: it ends the replay, of which the script knows nothing.
+
+        If the program has sent it to itself, it was in the recording too, and comes from there.
+        """
+        if self.player.is_about_to_stop():
+            return
         self.player.interrupt()
         function()
 
@@ -122,6 +127,7 @@ class ReplayedExecutor(Executor):
         )
         if timer.number >= 0:
             self._timers_by_number[timer.number] = timer
+            self.player.check_period(Numbered.TIMER, timer.number, period_ns)
         timer.reset()
         return timer
 
