@@ -20,7 +20,13 @@ DOCS = ROOT / "docs"
 API = "".join(page.read_text() for page in DOCS.glob("reference/api/*.rst"))
 # What neither programs nor plugins are meant to import.
 INTERNAL = {
-    *("__main__", "cli", "contracts.guarded_services", "contracts.node_view"),
+    *(
+        "__main__",
+        "cli",
+        "contracts.guarded_services",
+        "contracts.node_view",
+        "contracts.recorded_answers",
+    ),
     *("entries", "imu", "local", "program"),
     *(
         "roles.callables",
