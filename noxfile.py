@@ -233,7 +233,7 @@ def typing(session: nox.Session) -> None:
     """The types of everything, by mypy's strictest rules; for documented programs, pyright too."""
     # It checks for the oldest Python, which has no `tomllib`.
     session.install("mypy==2.4.1", "nox", "numpy", "tomli>=2", "types-pyserial")
-    session.install(SOCKETS, TERMINAL, *PROGRAM_TOOLS, *TEST_TOOLS)
+    session.install(SOCKETS, TERMINAL, *MCAP_ORACLES, *PROGRAM_TOOLS, *TEST_TOOLS)
     _install(session, *ALL)
     session.run("mypy", *(str(PACKAGES / name / "src") for name in ALL))
     for folder in (
