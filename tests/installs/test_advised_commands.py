@@ -130,8 +130,9 @@ def test_the_broker_of_the_message_is_the_one_of_the_extra() -> None:
     assert f"pip install '{broker}'" in commands_of_sources()
 
 
-def test_the_libraries_of_the_messages_are_those_of_the_extras_of_the_view() -> None:
-    project = parse_toml((ROOT / "packages/rosbase-view/pyproject.toml").read_text())["project"]
+@pytest.mark.parametrize("package", ["rosbase-mcap", "rosbase-view"])
+def test_the_libraries_of_the_messages_are_those_of_the_extras(package: str) -> None:
+    project = parse_toml((ROOT / f"packages/{package}/pyproject.toml").read_text())["project"]
     advised = commands_of_sources()
     for (needed,) in project["optional-dependencies"].values():
         assert f"pip install '{needed}'" in advised

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["open_foreign_bag"]
 
-_HOW_TO_INSTALL = "pip install './packages/rosbase-mcap[bags]' in a clone of rosbase"
+_HOW_TO_INSTALL = "pip install 'rosbags>=0.11'"
 
 _TRANSIENT_LOCAL = "TRANSIENT_LOCAL"
 
