@@ -9,6 +9,7 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -28,6 +29,17 @@ from rosbase.control.streams import Stream
 from rosbase.logger import RosbaseLogger
 from support.control import Asker, Endless, FakeProgram, offering, own_socket
 from support.waiting import wait_until
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Keeps the sockets of a test apart from every other program's, on the machine too."""
+    # Not in a folder of pytest's: the path of a socket is short.
+    with tempfile.TemporaryDirectory(prefix="rosbase-server-") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        # Otherwise a client looks in the folder under /tmp too.
+        monkeypatch.setenv("ROSBASE_CONTROL_FOLDER", f"{folder}/rosbase")
+        yield
 
 
 @pytest.fixture
@@ -94,6 +106,7 @@ def test_without_a_folder_there_is_one_warning_with_a_cure_and_the_program_runs(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
 ) -> None:
     (tmp_path / "rosbase").symlink_to("/nowhere")
+    monkeypatch.delenv("ROSBASE_CONTROL_FOLDER")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     with offered(FakeProgram(), RosbaseLogger("robot")):
         assert programs._server is None
