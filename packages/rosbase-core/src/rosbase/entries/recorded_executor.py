@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["RecordedExecutor", "RecordedTimer", "name_of"]
 
-_NS_PER_S = 1_000_000_000
 _LONGEST_S = 1e6
 # In Python 3.11, to find a member takes 0.2 us.
 _CALL, _TIMER = int(Kind.CALL), int(Kind.TIMER)
@@ -160,30 +159,17 @@ class RecordedExecutor(Executor):
         self, done: Callable[[], object], deadline_ns: int, look_s: float = _LONGEST_S
     ) -> None:
         """Run urgent calls, and nothing else, until `done` returns true or the deadline."""
-        outer_ns = self._waits_end_ns
-        self._waits_end_ns = deadline_ns = min(deadline_ns, outer_ns)
-        self.depth += 1
-        try:
-            while not done() and not self.is_stopping:
-                left_ns = deadline_ns - self._monotonic_ns()
-                if left_ns <= 0:
-                    break
-                self.recorder.bring_in()
-                if self._urgent:
-                    call = self._urgent.popleft()
-                    self.recorder.enter_now(Kind.URGENT)
-                    call()
-                    continue
-                self._sleeping = True
-                # Looked at only now: whoever came before this line did not see us sleep.
-                if not (self._urgent or done() or self.is_stopping):
-                    self._wait(min(left_ns / _NS_PER_S, look_s))
-                self._sleeping = False
-        finally:
-            self._sleeping = False
-            self._waits_end_ns = outer_ns
-            self.depth -= 1
+        super().wait(done, deadline_ns, look_s)
         self.recorder.enter_now(Kind.RETURN, 0)
+
+    def _run_urgent_in_wait(self) -> bool:
+        self.recorder.bring_in()
+        if not self._urgent:
+            return False
+        call = self._urgent.popleft()
+        self.recorder.enter_now(Kind.URGENT)
+        call()
+        return True
 
     def _run_one(self, due_ns: int) -> bool:
         recorder = self.recorder

@@ -233,8 +233,7 @@ class Executor:
                 left_ns = deadline_ns - self._monotonic_ns()
                 if left_ns <= 0:
                     return
-                if self._urgent:
-                    self._urgent.popleft()()
+                if self._run_urgent_in_wait():
                     continue
                 self._sleeping = True
                 # Looked at only now: whoever came before this line did not see us sleep.
@@ -327,6 +326,13 @@ class Executor:
         """Run an urgent call, unless a wait has run it."""
         if self._urgent:
             self._urgent.popleft()()
+
+    def _run_urgent_in_wait(self) -> bool:
+        """Run an urgent call if there is one, and return whether there was."""
+        if not self._urgent:
+            return False
+        self._urgent.popleft()()
+        return True
 
     def _run_one(self, due_ns: int) -> bool:
         """Run a call, or a timer that was due by then; return whether there was one."""
