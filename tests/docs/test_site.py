@@ -26,6 +26,7 @@ INTERNAL = {
         "contracts.guarded_services",
         "contracts.node_view",
         "contracts.recorded_answers",
+        "contracts.stored_parameters",
     ),
     *("entries", "imu", "local", "program"),
     *(

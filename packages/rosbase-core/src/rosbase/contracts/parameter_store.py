@@ -64,6 +64,16 @@ class ParameterRules:
         """Return the declaration of a parameter; None if it was not declared."""
         return self._specs.get(name)
 
+    def describe(self, name: str) -> ParameterSpec:
+        """Return the declaration of a parameter.
+
+        Raises:
+            ParameterError: It has not been declared.
+        """
+        if (spec := self.find(name)) is None:
+            raise ParameterError(f"parameter {name} has not been declared")
+        return spec
+
     @property
     def has_callbacks(self) -> bool:
         """Whether any callback is asked before parameters are set."""

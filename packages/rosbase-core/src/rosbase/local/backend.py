@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rosbase.contracts.backend import Backend, BackendOptions, Publisher, Subscription
 from rosbase.contracts.names import resolve_topic
 from rosbase.contracts.node_connection import NodeConnection
-from rosbase.contracts.parameter_store import OnSetParameters, ParameterStore, PostSetParameters
+from rosbase.contracts.parameter_store import ParameterStore
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.contracts.stored_parameters import StoredParameters
 from rosbase.contracts.tap import Tap
 from rosbase.entries.conductor import conductor_of
-from rosbase.errors import BackendError, ParameterError
+from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode
 from rosbase.local.bus import Bus, process_bus
 from rosbase.local.endpoints import LocalPublisher, LocalSubscription, make_publisher
@@ -35,7 +36,7 @@ RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
 
 
-class LocalBackend(Backend):
+class LocalBackend(StoredParameters, Backend):
     """Connects a node to the other nodes of this process."""
 
     delivers_in_process = True
@@ -47,7 +48,9 @@ class LocalBackend(Backend):
         self._bus = bus or process_bus()
         self._guard = self._make_guard()
         self._logger = logger = make_logger(options.node_name, None, options.clock)
-        self._parameters = ParameterStore(options.parameter_overrides, logger.error, self.call_soon)
+        self._parameters: ParameterStore = ParameterStore(
+            options.parameter_overrides, logger.error, self.call_soon
+        )
         self._publishers: list[LocalPublisher] = []
         self._subscriptions: list[LocalSubscription] = []
         self._services: list[ServiceServer] = []
@@ -172,35 +175,16 @@ class LocalBackend(Backend):
     def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
         """Declare a parameter, with its override if there is one."""
         self._note_outside("declares a parameter")
-        return self._parameters.declare(spec)
-
-    def get_parameter(self, name: str) -> Parameter[Any]:
-        """Return the parameter with its current value."""
-        return self._parameters.get(name)
+        return super().declare_parameter(spec)
 
     def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
         self._note_outside("sets parameters")
-        return self._parameters.set(parameters)
+        return super().set_parameters(parameters)
 
     def parameter_names(self) -> list[str]:
         """Return the names of the parameters that belong to no lifecycle node."""
         return self._standard.parameters_of("").names()
-
-    def describe_parameter(self, name: str) -> ParameterSpec:
-        """Return the declaration of a parameter."""
-        spec = self._parameters.find(name)
-        if spec is None:
-            raise ParameterError(f"parameter {name} has not been declared")
-        return spec
-
-    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` before parameters are set."""
-        self._parameters.add_callback(callback)
-
-    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
-        """Call `callback` after parameters were set."""
-        self._parameters.add_post_callback(callback)
 
     def open_node(self, name: str, *, is_lifecycle: bool) -> NodeConnection:
         """Open the connection of a node; a lifecycle node has standard services of its own."""

@@ -1,6 +1,6 @@
 """One node of a replayed program, as its middleware has shown it to others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -8,16 +8,16 @@ from rosbase.contracts.backend import timer_period_ns
 from rosbase.contracts.graph import Graph, TopicEnd, type_name_of
 from rosbase.contracts.message_format import MessageFormat
 from rosbase.contracts.names import resolve_topic
-from rosbase.contracts.node_connection import NodeConnection, Publisher, Subscription, Timer
-from rosbase.contracts.parameter_store import OnSetParameters, PostSetParameters
+from rosbase.contracts.node_connection import Publisher, Subscription, Timer
 from rosbase.contracts.recorded_answers import change_state, found
 from rosbase.contracts.service_callback import check_service_type
 from rosbase.contracts.services import Client, Service, ServiceCallback, ServiceType
+from rosbase.contracts.stored_parameters import StoredParameters
 from rosbase.contracts.tap import Tap
 from rosbase.entries.kinds import Numbered
 from rosbase.entries.payloads import from_json
 from rosbase.entries.script import Entry
-from rosbase.errors import BackendError, ParameterError
+from rosbase.errors import BackendError
 from rosbase.lifecycle import ManagedNode, TransitionEvent
 from rosbase.local.replayed.parameters import ReplayedParameters
 from rosbase.local.replayed.services import ReplayedClient, ReplayedServer
@@ -25,7 +25,6 @@ from rosbase.local.replayed.topics import ReplayedPublisher, ReplayedSubscriptio
 from rosbase.local.standard.lifecycle_answers import event_message
 from rosbase.logger import make_logger
 from rosbase.messages import lifecycle_msgs, rcl_interfaces
-from rosbase.parameters import Parameter, ParameterSpec, SetParametersResult
 from rosbase.qos import QoSProfile
 from rosbase.runtime.executor import ExecutorTimer
 from rosbase.wire import writer
@@ -42,7 +41,7 @@ ResponseT = TypeVar("ResponseT")
 _PARAMETER_EVENTS = "/parameter_events"
 
 
-class ReplayedNode(NodeConnection):
+class ReplayedNode(StoredParameters):
     """The connection of one node. It asks for what was noted when its program was recorded."""
 
     def set_up(self, program: "ReplayedProgram", name: str) -> None:
@@ -57,7 +56,7 @@ class ReplayedNode(NodeConnection):
         names = found(conductor, lambda: [name, name.replace("/", ".")])
         self.node_name, self.log_name = map(str, names)
         self._logger = make_logger(self.log_name, None, self.clock)
-        self._parameters = ReplayedParameters(
+        self._parameters: ReplayedParameters = ReplayedParameters(
             conductor,
             f"/{self.node_name}",
             self._logger.error,
@@ -182,37 +181,6 @@ class ReplayedNode(NodeConnection):
         """Return the time that timers followed."""
         now_ns: Any = self._program.conductor.fact(self._program.machine.monotonic_ns)
         return int(now_ns)
-
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
-        """Declare a parameter."""
-        return self._parameters.declare(spec)
-
-    def get_parameter(self, name: str) -> Parameter[Any]:
-        """Return the parameter with its current value."""
-        return self._parameters.get(name)
-
-    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
-        """Set parameters, or none of them if one is refused."""
-        return self._parameters.set(parameters)
-
-    def parameter_names(self) -> list[str]:
-        """Return the names of the node's parameters."""
-        return self._parameters.names()
-
-    def describe_parameter(self, name: str) -> ParameterSpec:
-        """Return the declaration of a parameter."""
-        spec = self._parameters.find(name)
-        if spec is None:
-            raise ParameterError(f"parameter {name} has not been declared")
-        return spec
-
-    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` before parameters are set."""
-        self._parameters.add_callback(callback)
-
-    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
-        """Call `callback` after parameters were set."""
-        self._parameters.add_post_callback(callback)
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Take the transitions that others have asked for, and publish all."""

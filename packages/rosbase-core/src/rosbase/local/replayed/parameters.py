@@ -80,11 +80,6 @@ class ReplayedParameters(ParameterRules):
         """Return the names of all parameters, with those of rclpy."""
         return list(found(self._conductor, lambda: list(self._values)))
 
-    def describe(self, name: str) -> ParameterSpec:
-        """Return the declaration of a parameter."""
-        spec = self.find(name)
-        return _refuse(name) if spec is None else spec
-
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Set all parameters, or none if one is refused."""
         try:
