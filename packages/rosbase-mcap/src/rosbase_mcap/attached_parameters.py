@@ -16,7 +16,7 @@ from rosbase_mcap.recorder import Recorder
 __all__ = ["PARAMETER_EVENTS", "record_parameters"]
 
 PARAMETER_EVENTS = "/parameter_events"
-# That of rclpy.
+# As in rclpy.
 _PROFILE = QoSProfile(1000)
 _NUMBERS = {kind.name.lower(): number for kind, number in KIND_NUMBERS.items()}
 

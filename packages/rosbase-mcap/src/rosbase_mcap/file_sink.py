@@ -52,7 +52,7 @@ class FileSink:
         """Create the first file.
 
         Args:
-            path: Its name, from which those of further files are made.
+            path: Its name, from which the names of further files are made.
             table: The channels of the messages.
             facts: About the recording; each file has them.
             split: When the next file begins.

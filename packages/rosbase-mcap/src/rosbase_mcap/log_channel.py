@@ -15,7 +15,7 @@ from rosbase_mcap.qos_text import profiles_text
 __all__ = ["LOG_TOPIC", "LogChannel", "no_output"]
 
 LOG_TOPIC = "/rosout"
-# That of rcl.
+# As in rcl.
 _PROFILE = QoSProfile(1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_LEVEL = 50
 
@@ -31,7 +31,7 @@ _speaker = _Speaker()
 
 @contextmanager
 def no_output() -> Iterator[None]:
-    """Log lines in this block as those of the recorder, which are no output of the program.
+    """Mark log lines in this block as the recorder's, which are no output of the program.
 
     A replay has a recorder of its own, with a logger of its own.
     """
@@ -72,7 +72,7 @@ class LogChannel:
 
         Args:
             stamp_ns: Its date, in nanoseconds since 1970.
-            level: Number of its level, as `logging` has it; those of ROS are the same.
+            level: Number of its level in `logging`, which is also its number in ROS.
             name: Name of the logger.
             text: The text.
             place: File, function and line in it.

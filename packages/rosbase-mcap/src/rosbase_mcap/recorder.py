@@ -144,7 +144,7 @@ class Recorder:
     def drain(self) -> None:
         """Bring to the sink now what waits. Call it from any thread."""
         with self._writing:
-            # The trace first: all messages of its entries are there, except those of the last one,
+            # The trace first: all messages of its entries are there, except the last entry's,
             # which may be running.
             block = self._run.take() if self._run is not None else None
             self._write(self._backlog.take(), block)

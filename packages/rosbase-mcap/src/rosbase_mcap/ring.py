@@ -24,8 +24,8 @@ _OVERHEAD_BYTES = 200
 class Ring:
     """Keeps the messages of the last seconds. One thread adds, any thread saves.
 
-    Messages of latched topics, such as /tf_static, are kept longer, and so are those of parameters
-    and transitions: without them, the others are hard to read.
+    Messages of latched topics, such as /tf_static, of parameters and of transitions are kept
+    longer: without them, the others are hard to read.
     """
 
     def __init__(

@@ -86,7 +86,7 @@ def blocks_of(attachments: Iterable[Attachment]) -> Iterator[TraceBlock]:
     """Yield the blocks of a trace in their order, up to the first one that is missing or damaged.
 
     Args:
-        attachments: Those of all files of a recording, in their order.
+        attachments: The attachments of all files of a recording, in order.
     """
     expected = 0
     for attachment in attachments:

@@ -89,7 +89,7 @@ def ros_class(name: str, msg_type: type) -> Any:
 
 
 def require_same(msg_type: type, theirs: Any) -> None:
-    """Refuse a class whose bytes are not those of the ROS message.
+    """Refuse a class whose bytes differ from the ROS message's.
 
     Raises:
         TypeError: They are not; the text names the first field that differs.

@@ -15,7 +15,7 @@ class Deadline:
 
         Args:
             patience_s: How long it is from now, in seconds.
-            clock: The clock that measures it; by default, that of the machine.
+            clock: The clock that measures it; by default, the machine's.
         """
         self._clock = clock or SystemClock()
         self._ns = self._clock.monotonic_ns() + int(patience_s * _NS_PER_S)

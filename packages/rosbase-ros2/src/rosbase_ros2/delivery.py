@@ -46,7 +46,7 @@ class Retirement:
             self._publishers.remove(publisher)
             self._node.destroy_publisher(publisher)
         if self._publishers and self._timer is None:
-            # Not the node's clock, which may be that of a simulation.
+            # Not the node's clock, which may be a simulation's.
             clock = RclpyClock(clock_type=ClockType.STEADY_TIME)
             self._timer = self._node.create_timer(_LOOK_S, self._look, OwnGroup(), clock)
         elif self._timer is not None and not self._publishers:

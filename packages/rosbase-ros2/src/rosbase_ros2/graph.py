@@ -18,7 +18,7 @@ __all__ = ["ros_graph", "topic_end"]
 def ros_graph(nodes: Sequence[SharedNode], taps: Taps) -> Graph:
     """Return the ends of the rclpy nodes of a backend.
 
-    They are those that `ros2 node info` shows: rosbase's own, the program's, and those of rclpy and
+    They are what `ros2 node info` shows: the ends of rosbase, of the program, and of rclpy and
     rcl. What is just being destroyed is left out.
     """
     known: list[Any] = [*taps.publishers, *taps.subscriptions]

@@ -1,6 +1,6 @@
 """The interface of a node's lifecycle for the ROS tools: five services and one topic.
 
-Names, types and order are those of rcl_lifecycle's `com_interface.c`. rclpy's own lifecycle node
+Names, types and order follow rcl_lifecycle's `com_interface.c`. rclpy's own lifecycle node
 is not used: it has its own machine, whose callbacks run on the executor's thread.
 
 Two threads meet here. The executor of rclpy answers on its own; transitions run on the main loop.

@@ -113,7 +113,7 @@ def memory_fault(environment: Mapping[str, str], middleware: str, free: int) -> 
 def spare_shared_memory(environment: MutableMapping[str, str], middleware: str, free: int) -> str:
     """Turn off Fast DDS's shared memory where it is short; return that in one line.
 
-    Call it before the first participant of a process is created. The arguments are those of
+    Call it before the first participant of a process is created. It takes the arguments of
     `memory_fault`.
     """
     short = _short_memory(environment, middleware, free)

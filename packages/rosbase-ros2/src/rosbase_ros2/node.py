@@ -96,7 +96,7 @@ class RosNode(NodeConnection):
         self._process = process
         process.nodes.append(node)
         for known in node.publishers:
-            # Those of rclpy itself, such as the one of parameter events.
+            # Publishers of rclpy itself, such as the one for parameter events.
             process.taps.welcome(known)
         node.publisher_listener = self._welcome
         self.node = node

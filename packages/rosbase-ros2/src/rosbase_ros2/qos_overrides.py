@@ -1,7 +1,7 @@
 """Quality of service that users set from outside, for rclpy's `QoSOverridingOptions`.
 
 The parameter `qos_overrides./imu/data.publisher.reliability` overrides that policy of every
-publisher of the topic. A name with `.subscription.` overrides that of every subscription.
+publisher of the topic. A name with `.subscription.` overrides it for every subscription.
 Overrides without effect are named: at once if they cannot have any, else when a similar name is
 used, or at the end.
 """

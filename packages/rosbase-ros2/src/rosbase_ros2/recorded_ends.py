@@ -26,7 +26,7 @@ __all__ = ["RecordedPublisher", "RecordedService", "RecordedSubscription"]
 
 
 class RecordedPublisher(RosPublisher):
-    """Sends messages; those of other threads are entries."""
+    """Sends messages; another thread's messages are entries."""
 
     __slots__ = ("_conductor", "_number")
 

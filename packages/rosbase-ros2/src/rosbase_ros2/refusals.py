@@ -25,7 +25,7 @@ class Refusals:
     @staticmethod
     def explain(error: Exception) -> str:
         """Return the fault of the date for which the middleware may have refused; empty if none."""
-        # The machine's date, which DDS looks at, and not that of a simulation.
+        # The machine's date, which DDS looks at, and not a simulation's.
         return date_fault(SystemClock().now_ns()) if isinstance(error, RCLError) else ""
 
     @staticmethod

@@ -28,7 +28,7 @@ _NS_PER_S = 1_000_000_000
 class RosoutHandler(logging.Handler):
     """Publishes records under the name of a node, and appends them to the log file.
 
-    Its level is that of the node's logger when it is made, which `--log-level` sets.
+    It takes the level of the node's logger when it is made, which `--log-level` sets.
     """
 
     def __init__(

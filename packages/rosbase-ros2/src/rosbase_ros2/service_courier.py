@@ -22,7 +22,7 @@ _REQUEST, _RESPONSE = "_Request", "_Response"
 
 @frozen
 class Way:
-    """From the messages of one direction to those of ROS, and back."""
+    """Turns the messages of one direction into ROS messages, and back."""
 
     to_ros: Callable[[Any], Any]
     """Returns the ROS message. TypeError or ValueError names a field that cannot be sent."""
@@ -39,7 +39,7 @@ class ServiceCourier:
     request: Way
     response: Way
     is_native: bool
-    """Whether the messages of the program are those of ROS, which it may change at any time."""
+    """Whether the program uses ROS messages, which it may change at any time."""
 
 
 def service_courier(srv_type: Any) -> ServiceCourier:

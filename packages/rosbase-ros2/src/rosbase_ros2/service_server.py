@@ -19,7 +19,7 @@ _LOG_S = 1.0
 
 
 class RosService(ServiceServer):
-    """Answers the requests that rclpy takes, and those of this process."""
+    """Answers the requests that rclpy takes, and requests of this process."""
 
     def __init__(
         self,

@@ -61,7 +61,7 @@ class ServiceWatch:
                 self._spinner.look_soon(self._start)
 
     def _start(self) -> None:
-        # Not the node's clock, which may be that of a simulation.
+        # Not the node's clock, which may be a simulation's.
         clock = RclpyClock(clock_type=ClockType.STEADY_TIME)
         self._timer = self._node.create_timer(_LOOK_S, self._look, OwnGroup(), clock)
 

@@ -34,7 +34,7 @@ EndT = TypeVar("EndT")
 RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
 
-# As many as a service lets wait; with the 10 of rclpy, DDS drops those of a burst.
+# As many as a service lets wait; with the 10 of rclpy, DDS drops some of a burst.
 _PROFILE = QoSProfile(depth=1000)
 
 Key: TypeAlias = tuple[int, str, type]

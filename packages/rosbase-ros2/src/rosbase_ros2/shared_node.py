@@ -126,7 +126,7 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
 
         Args:
             name: Name of the node.
-            options: Those of rclpy's node.
+            options: As for rclpy's node.
         """
         self.own = EntityView(self, is_own=True)
         """Everything that rosbase has created, with the services of rclpy itself."""

@@ -13,7 +13,7 @@ __all__ = ["Workers"]
 class Workers:
     """Runs calls on threads that are started when all others are busy, up to a limit.
 
-    Unlike those of `concurrent.futures`, the threads do not keep the process from ending.
+    Unlike `concurrent.futures`, its threads do not keep the process from ending.
     """
 
     def __init__(self, name: str, limit: int) -> None:

@@ -92,7 +92,7 @@ class Known:
         return {process["pid"]: process["name"] for process in self.processes}
 
     def time_ns(self, now_ns: int) -> int:
-        """Return the time of the topics: that of the recording, or the monotonic one."""
+        """Return the time of the topics: the recording's, or the monotonic one."""
         return now_ns if self.position is None else self.position.now_ns
 
     def move(self, position: Position, *, is_jump: bool = False) -> None:

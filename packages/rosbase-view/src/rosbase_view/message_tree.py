@@ -33,7 +33,7 @@ class TreeRow:
 
 
 def tree_rows(message: Mapping[str, Any], folded: Collection[Path] = ()) -> list[TreeRow]:
-    """Return a row for each field, with those of messages within it below.
+    """Return a row for each field, with the fields of an inner message below it.
 
     A few numbers together, such as a vector, are one row. Of a long list, the first items are
     shown, with its length.

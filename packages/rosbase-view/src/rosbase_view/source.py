@@ -67,7 +67,7 @@ class Playback(Protocol):
         ...
 
     def set_rate(self, rate: float) -> None:
-        """Set the speed; 1 is that of the recording."""
+        """Set the speed; 1 is the speed of the recording."""
         ...
 
 

@@ -122,7 +122,7 @@ class View:
         return moved is not None
 
     def draw_heading(self, width: int) -> list[Line]:
-        """Return the line with the names of the pages; that of the page shown is in brackets."""
+        """Return the line with the names of the pages; the page shown is in brackets."""
         parts: list[Span | str] = []
         for number, page in enumerate(self.pages):
             name = f"{number + 1} {page.title}"

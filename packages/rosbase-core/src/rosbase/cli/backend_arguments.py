@@ -13,7 +13,7 @@ _END = "--"
 def split_arguments(
     arguments: Sequence[str], backends: Mapping[str, BackendPlugin]
 ) -> tuple[list[str], dict[str, str], list[str]]:
-    """Split the arguments of the command from those of backends.
+    """Split a command line into the command's own arguments and those for backends.
 
     The arguments of a backend follow its word, up to `--` or the end. The backend finds them
     by itself.

@@ -60,7 +60,7 @@ def log_to_stderr(levels: Iterable[tuple[str, int]] = ()) -> LogOutput:
     # The command is the application here, so what a plugin does to the root does not matter.
     logger.propagate = False
     logger.setLevel(logging.NOTSET)
-    # Before those of the command line, which win.
+    # Before the command line's, which win.
     apply_environment()
     for name, level in levels:
         (logger.getChild(name) if name else logger).setLevel(level)

@@ -101,7 +101,7 @@ class BackendOptions:
 class Backend(NodeConnection):
     """A connection to the outside world, for one manager or one standalone node.
 
-    It is the connection of their own node, and opens those of the other nodes of a manager.
+    It is the connection of their own node, and opens connections for the manager's other nodes.
     """
 
     delivers_in_process = False

@@ -35,7 +35,7 @@ class RecordOptions:
     """Options of a recording: the file, and how much of the program is in it."""
 
     path: Path = field(converter=Path)
-    """The file. Its suffix chooses the recorder: `.mcap` is that of rosbase-mcap."""
+    """The file. Its suffix chooses the recorder: `.mcap` is for rosbase-mcap."""
     topics: tuple[str, ...] = field(default=(), converter=_texts)
     """Full names of the topics; none stands for all."""
     last_s: float | None = field(default=None, validator=_not_negative)
@@ -74,7 +74,7 @@ class Recording(Protocol):
     def entries(self) -> "RecordingSink | None":
         """Takes the entries of the program, so that it can be replayed; None if it needs none.
 
-        Its `begin` is called before that of the recording, and its `close` before that too.
+        Its `begin` and its `close` are called before those of the recording.
         """
         ...
 

@@ -60,7 +60,7 @@ class ServiceClient(ABC, Generic[RequestT, ResponseT]):
         self._name = service_name
         self._executor = executor
         self._waiting = Waiting(executor)
-        # No set, whose order would be that of addresses: calls fail in the order of their begin.
+        # No set, which would order them by address: calls fail in the order of their begin.
         self._pending: dict[ServiceCall[Any, Any], None] = {}
         self._dropped = 0
         self._drop_lock = threading.Lock()

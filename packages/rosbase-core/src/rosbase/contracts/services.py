@@ -117,7 +117,7 @@ class Client(Protocol[RequestT_contra, ResponseT_co]):
     ) -> ServiceFuture[ResponseT_co]:
         """Send a request, and return a future of its answer. It does not wait.
 
-        The arguments are those of `call`. No answer is taken after the timeout: the future fails,
+        It takes the arguments of `call`. No answer is taken after the timeout: the future fails,
         when the loop gets to it.
 
         Raises:

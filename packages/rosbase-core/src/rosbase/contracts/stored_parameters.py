@@ -11,7 +11,7 @@ __all__ = ["KeepsParameters", "StoredParameters"]
 
 
 class KeepsParameters(Protocol):
-    """What a connection uses of its store."""
+    """The methods of a store that a connection uses."""
 
     def declare(self, spec: ParameterSpec, /) -> Parameter[Any]:
         """Declare a parameter."""

@@ -140,7 +140,7 @@ class Clients:
             self._answers = all_answers()
         known = self._answers
         for program in running_programs():
-            # Those of the programs after ours, which are the same in every process.
+            # The other programs' values, which are the same in every process.
             known = {**program.answers(), **known}
         if ask in known:
             return known[ask]

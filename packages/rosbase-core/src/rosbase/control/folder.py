@@ -120,7 +120,7 @@ def _under_runtime_dir() -> str:
         found = os.stat(runtime)
     except OSError:
         return ""
-    # `su` and `sudo -E` keep that of the user before.
+    # `su` and `sudo -E` keep the variable of the user before.
     is_own = found.st_uid == os.geteuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
     return path if is_own and stat.S_ISDIR(found.st_mode) else ""
 

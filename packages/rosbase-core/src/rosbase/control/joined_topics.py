@@ -1,4 +1,4 @@
-"""One list of topics from those of several programs. Pure."""
+"""Joins the topics of several programs into one list. Pure."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ def remove_strays(folder: str) -> None:
         if not ("." in name and number.isdecimal()):
             continue
         path = f"{folder}/{name}"
-        # Those of the living are not disturbed. One that is gone may live in another container.
+        # A living process keeps its sockets. One that seems gone may live in another container.
         if not is_alive(int(number)) and refuses(path):
             _remove_socket(path)
 

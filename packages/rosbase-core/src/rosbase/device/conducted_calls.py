@@ -87,7 +87,7 @@ class ConductedTransport(Transport):
         return health_from_json(self._conductor.fact(lambda: health_to_json(self._health_now())))
 
     def _end(self, op: str) -> None:
-        # Not those of another thread that starts it meanwhile.
+        # Without the calls of another thread that starts it meanwhile.
         ending = self._readings
         try:
             self._section(op)

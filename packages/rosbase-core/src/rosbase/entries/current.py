@@ -1,4 +1,4 @@
-"""The conductor that the next program of this process gets, and that of the one that runs."""
+"""The conductors of this process: for its next program, and of the one that runs."""
 
 from collections.abc import Callable
 

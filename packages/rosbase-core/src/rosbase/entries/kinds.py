@@ -81,7 +81,7 @@ class Kind(IntEnum):
     ANSWER = 30
     """The answer to a call of a service came from outside: t, client, whether it is an answer.
 
-    The payload begins with the number of the call among those of the client, in 8 bytes, little
+    The payload begins with the number of the call among the client's calls, in 8 bytes, little
     endian. The answer follows, or the error as JSON.
     """
     CONTROL = 31

@@ -53,7 +53,7 @@ class LogEntrance:
         date_by(None)
 
     def _hear(self, record: logging.LogRecord) -> None:
-        # Those of the thread inside come by themselves.
+        # Lines of the thread inside come by themselves.
         if not self._conductor.is_inside:
             payload = partial(self._encode, _message(record))
             self._conductor.come_in(Kind.LOG, (), payload, _nothing)

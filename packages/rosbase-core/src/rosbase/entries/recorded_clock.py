@@ -40,7 +40,7 @@ class RecordedClock:
         self._read(machine)
 
     def beside(self, machine: Clock) -> "RecordedClock":
-        """Return a clock of the same program that reads another one, such as that of a node."""
+        """Return a clock of the same program that reads another one, such as a node's."""
         other = object.__new__(RecordedClock)
         vars(other).update(vars(self))
         other._read(machine)
@@ -67,7 +67,7 @@ class RecordedClock:
     if not TYPE_CHECKING:  # to a type checker, it would have every attribute
 
         def __getattr__(self, name: str) -> Any:
-            """Return an attribute that only the clock itself has, such as those of ManualClock."""
+            """Return an attribute that only the clock itself has, as ManualClock has some."""
             return getattr(self.machine, name)
 
 

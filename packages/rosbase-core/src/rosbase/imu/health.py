@@ -11,7 +11,7 @@ _FIGURE = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 class HealthLevel(IntEnum):
-    """Level of health; the values are those of diagnostic_msgs/DiagnosticStatus."""
+    """Level of health, with the values of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1

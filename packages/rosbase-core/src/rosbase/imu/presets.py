@@ -1,4 +1,4 @@
-"""The payloads of known devices, as data. The values are those of the `mapping.*` parameters.
+"""The payloads of known devices, as data. The values go into the `mapping.*` parameters.
 
 Sources are the firmwares themselves: their code shows which fields they print, and in which units.
 Field names never tell a unit.

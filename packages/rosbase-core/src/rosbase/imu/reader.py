@@ -222,7 +222,7 @@ class ImuReader(LifecycleNode):
         return SetParametersResult(successful=True)
 
     def _take_over(self, settings: ReaderSettings, state: State) -> None:
-        """Apply settings from now on; those of an unconfigured reader apply later."""
+        """Apply settings from now on, or once the reader is configured."""
         if state is State.INACTIVE:
             self._pipeline = self._make_pipeline(settings, self._settings.without_effect)
         elif state is State.ACTIVE and self._pipeline is not None:

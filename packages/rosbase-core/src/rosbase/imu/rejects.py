@@ -9,7 +9,7 @@ REJECT_LOG_S = 5.0
 
 REASONS: dict[str, str] = {
     **PAYLOAD_REASONS,
-    "bad_checksum": "the checksum is not that of the line",
+    "bad_checksum": "the checksum does not fit the line",
     "bad_topic": "a topic that MQTT does not allow; see how the device names it",
     "duplicate": "delivered once more",
     "empty": "nothing in it",

@@ -83,7 +83,7 @@ class BaseLauncher:
             enable_nodes: Programs that start whatever their `autostart` says.
             disable_nodes: Programs that do not start, even if they are enabled.
             tmux: Whether each program gets a pane of a tmux session.
-            arguments: Command line; by default that of the script.
+            arguments: Command line; by default the script's.
         """
         self._config = config
         self._enable, self._disable = _names(enable_nodes), _names(disable_nodes)

@@ -21,7 +21,7 @@ _ACTIVE = "active"
 class ControlReadiness:
     """Asks all processes of a program that have a control socket.
 
-    A program may have several: that of its manager, and those of the manager's child processes.
+    A program may have several: its manager's, and one for each child process of the manager.
     They are recognised by the mark that each run of a program has in its environment.
     """
 

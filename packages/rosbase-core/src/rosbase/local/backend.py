@@ -217,7 +217,7 @@ class LocalBackend(StoredParameters, Backend):
         return self._bus.kept_messages(self._check(topic))
 
     def graph(self) -> "Graph":
-        """Return the ends of the nodes of this backend, not those of others on the bus."""
+        """Return the ends of the nodes of this backend, without others on the bus."""
         from rosbase.local.graph import Ends, local_graph
 
         ends = Ends(

@@ -191,7 +191,7 @@ class Bus:
         return topic.msg_type if topic is not None and topic.subscriptions else None
 
     def resize_subscription(self, subscription: LocalSubscription, profile: QoSProfile) -> None:
-        """Change the number of messages that the subscription keeps to that of the profile."""
+        """Let the subscription keep as many messages as the profile says."""
         with self._lock:
             subscription.profile = profile
             subscription.resize(profile.queue_depth)

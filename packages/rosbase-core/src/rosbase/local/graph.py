@@ -1,4 +1,4 @@
-"""The graph of a backend: the ends that its nodes have created, and those of standard services."""
+"""The graph of a backend: the ends that its nodes have created, and its standard services."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from rosbase.qos import QoSProfile
 __all__ = ["Ends", "local_graph", "transition_end"]
 
 _OUR_OWN = "rosbase.messages."
-# That of rcl_lifecycle.
+# As in rcl_lifecycle.
 _EVENT_PROFILE = QoSProfile(10)
 
 

@@ -30,7 +30,7 @@ class LocalNode(NodeView):
         """Share a connection.
 
         Args:
-            shared: That of the manager.
+            shared: The manager's.
             name: The name of the node.
             standard: Answers the standard services of its nodes.
             claim: Notes that a publisher, subscription, service or client is a node's.

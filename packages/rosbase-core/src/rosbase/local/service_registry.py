@@ -26,7 +26,7 @@ class _Service:
 
     def __init__(self, type_name: str) -> None:
         self.type_name = type_name
-        # Those of this process first.
+        # Services of this process first.
         self.providers: tuple[tuple[Provider, ServiceLinkEnd | None], ...] = ()
         self.clients: tuple[Callable[[], object], ...] = ()
         self.waiting: deque[ServiceRequest] = deque()

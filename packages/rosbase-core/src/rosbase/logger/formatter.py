@@ -28,7 +28,7 @@ _Part: TypeAlias = Callable[[logging.LogRecord], str]
 
 
 def _time_ns(record: logging.LogRecord) -> int:
-    # A float has no room for nanoseconds since 1970, but for those of a second.
+    # A float has room for the nanoseconds of a second, but not for those since 1970.
     seconds = int(record.created)
     return seconds * _NS_PER_S + round((record.created - seconds) * _NS_PER_S)
 

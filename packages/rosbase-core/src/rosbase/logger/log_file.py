@@ -1,4 +1,4 @@
-"""The log file of all loggers of a program, and those of single loggers.
+"""The log file of all loggers of a program, and the files of single loggers.
 
 The file itself is imported when there is one, because few programs have one.
 """

@@ -47,7 +47,7 @@ class RosbaseLogger:
     """
 
     _file: "LogFile | None" = None
-    """A log file of its own, besides that of the program."""
+    """A log file of its own, besides the program's."""
 
     def __init__(
         self,

@@ -1,6 +1,6 @@
 """A log file with rotation.
 
-Its lines are those of the console. Several programs may write one file: each line is one write at
+It has the lines of the console. Several programs may write one file: each line is one write at
 its end, one program at a time rotates, and the others go on in the new file.
 """
 
@@ -68,7 +68,7 @@ class LogFile(RotatingFileHandler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Append a record, in a new file if this one is full. `logging` calls it."""
-        # That of `logging` formats each record twice, and asks the system more often.
+        # The handler of `logging` formats each record twice, and asks the system more often.
         try:
             line = self.format(record) + self.terminator
             self._stream_with_room(self._bytes_of(line)).write(line)

@@ -81,7 +81,7 @@ class BaseManager(Constructed):
     backend: Backend
     """Connection of this process. On ROS 2, `backend.node` is the rclpy node."""
     logger: RosbaseLogger
-    """Logger of the manager, agents and handlers. Those of its nodes have names of their own."""
+    """Logger of the manager, agents and handlers. Its nodes have loggers of their own."""
     nodes: dict[str, Any]
     """Nodes by name, in the order of `nodes_dict`."""
     agents: dict[str, Any]

@@ -1,7 +1,7 @@
 """Values of parameters from outside the program, given before anybody has declared them.
 
 A value is for one node (`camera.fps`, or the section of a node in a file), or for every node
-(`fps`, or the section `/**`). Its type is that of the declaration. The values of a process are in
+(`fps`, or the section `/**`). Its declaration says its type. The values of a process are in
 an environment variable, so its child processes have them too.
 """
 

@@ -1,4 +1,4 @@
-"""Parameters and their types, which are those of rcl_interfaces/ParameterType."""
+"""Parameters and their types, which follow rcl_interfaces/ParameterType."""
 
 import array
 from enum import Enum

@@ -202,7 +202,7 @@ class Life:
             self.left = ", ".join(values)
 
     def _code(self) -> int:
-        """Return the command's exit code, or that of a failed background process."""
+        """Return the exit code of the command or of a failed background process."""
         return self._own_code or self._other_code
 
 

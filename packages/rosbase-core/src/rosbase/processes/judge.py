@@ -32,7 +32,7 @@ class Judge:
 
     @property
     def status(self) -> int:
-        """Exit status of the program: that of the first required child that ended."""
+        """Exit status of the program: the first required child that ends decides it."""
         return self._status or 0
 
     @property

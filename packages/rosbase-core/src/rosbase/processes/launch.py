@@ -249,7 +249,7 @@ def start_guarded(
         on_a_terminal: Whether it writes to a terminal.
         link_fd: A descriptor that the command inherits, or -1.
         folder: Folder where it is started; by default the working directory.
-        environment: Its environment; by default that of this process, without the log file.
+        environment: Its environment; by default this process's, without the log file.
 
     Raises:
         OSError: The machine has no more processes or descriptors to give.

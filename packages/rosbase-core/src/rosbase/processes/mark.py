@@ -62,11 +62,11 @@ class Marks:
 
 
 def marked_environment(mark: Mark, environment: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Return an environment with the mark added to those of this process.
+    """Return an environment with the mark added to the marks of this process.
 
     Args:
         mark: The mark.
-        environment: The environment; by default that of this process.
+        environment: The environment; by default this process's.
     """
     inherited = os.environ.get(MARK_VARIABLE, "").split()
     marks = " ".join([*inherited, str(mark)])

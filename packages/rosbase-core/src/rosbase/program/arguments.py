@@ -93,7 +93,7 @@ def take_arguments(
     alone, and so are those after a `--`, which is left out.
 
     Args:
-        arguments: The command line without the program; by default that of this process.
+        arguments: The command line without the program; by default this process's.
         before: Parsed arguments to which these are added.
 
     Raises:

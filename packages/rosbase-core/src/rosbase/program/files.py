@@ -21,7 +21,7 @@ _ANY = "/**"
 def read_file(file: Path) -> list[GivenValue]:
     """Return the values in a file.
 
-    In TOML, the table of a node has its parameters, and `["/**"]` those of every node.
+    In TOML, the table of a node has its parameters, and `["/**"]` has parameters for every node.
 
     Raises:
         ConfigurationError: The file cannot be read, or is neither TOML nor YAML.

@@ -159,7 +159,7 @@ class BaseNode(Constructed, Component):
 
         Args:
             srv_type: A class with the classes `Request` and `Response`.
-            srv_name: Its name, resolved as that of a topic.
+            srv_name: Its name, resolved as a topic's.
             callback: `callback(request, response)` as in rclpy, or `callback(request)`. It returns
                 a `Response`.
 
@@ -343,7 +343,7 @@ class BaseNode(Constructed, Component):
         return spec if value is None else evolve(spec, default=value)
 
     def _names_outside(self) -> tuple[list[str], list[str]]:
-        """Return the names by which users know this node, and those of its manager."""
+        """Return the names by which users know this node and its manager."""
         backend_name = self._backend.node_name
         if self.manager is None:
             return [self._program_name, backend_name], []

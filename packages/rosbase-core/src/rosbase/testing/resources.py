@@ -13,7 +13,7 @@ _LISTINGS = (Path("/proc/self/fd"), Path("/dev/fd"))
 
 
 def threads() -> set[threading.Thread]:
-    """Return the running threads, without those of the kit."""
+    """Return the running threads, without the kit's own."""
     return {t for t in threading.enumerate() if not t.name.startswith("rosbase-kit")}
 
 

@@ -56,10 +56,10 @@ def profile_latency(
         check_capture_latency: Whether to measure also the age of the message when the call begins:
             of the first argument with a `header.stamp`. The dates of the sender and of this machine
             must agree.
-        clock: The clock to measure by. By default that of the node, agent, handlers or manager that
-            has the method, which is virtual in a test; else that of the machine.
-        logger: The logger of the report. By default that of the object that has the method, if it
-            has one; else `latency`.
+        clock: The clock to measure by. By default the clock of the node, agent, handlers or manager
+            that has the method, which is virtual in a test; else the machine's.
+        logger: The logger of the report. By default the logger of the object that has the method,
+            if it has one; else `latency`.
 
     Raises:
         TypeError: The function is async or a generator: its call does not run it.

@@ -43,7 +43,7 @@ class VectorLPFilter:
         Args:
             vector: A list, a tuple, an array of numpy, or for three channels a message such as
                 `Vector3`.
-            sample_period: Seconds since the last update; by default those of the constructor.
+            sample_period: Seconds since the last update; by default as given to the constructor.
 
         Raises:
             ValueError: The vector has another number of numbers, or one is not finite, which the

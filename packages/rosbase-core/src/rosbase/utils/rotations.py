@@ -1,6 +1,6 @@
 """Rotations: quaternions, and roll, pitch and yaw.
 
-Quaternions of programs written for ros_base are w x y z. Those of ROS are x y z w: say so with
+Programs written for ros_base have quaternions w x y z. ROS has x y z w: say so with
 `order="xyzw"`. Messages have names for their numbers, so the order does not matter to them.
 """
 

@@ -17,8 +17,8 @@ def maker(
 ) -> Callable[..., Any]:
     """Return a function that makes messages like the template, of the values of varying fields.
 
-    It checks no value. That of a time or a duration is its nanoseconds, that of a message of
-    numbers or an array is a sequence of its numbers, and that of a number is the number.
+    It checks no value. A time or a duration is given as its nanoseconds, a message of numbers or
+    an array as a sequence of its numbers, and a number as itself.
 
     Args:
         template: All that does not vary.
@@ -44,7 +44,7 @@ def _expression(
     source: Source, of: MessageType, template: Any, prefix: str, arguments: dict[str, str]
 ) -> str:
     parts = []
-    # Those of an array may be too few or too many.
+    # An array may get too few or too many.
     must_check = False
     for one in of.fields:
         path, value = f"{prefix}{one.name}", getattr(template, one.name)

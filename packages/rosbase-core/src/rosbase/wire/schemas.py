@@ -11,7 +11,7 @@ _RULE = "=" * 80
 
 
 def schema(cls: type, *, with_defaults: bool = False) -> str:
-    """Return the definition of a message class, followed by those of the messages within.
+    """Return the definition of a message class, followed by the messages within.
 
     Args:
         cls: The class.
@@ -56,7 +56,7 @@ def _default(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return '"' + str.replace(value, "\\", "\\\\").replace('"', '\\"') + '"'
-    # `repr` of the plain number: that of an enumeration's member would be its name.
+    # `repr` of the plain number: an enumeration's member would give its name.
     return repr(float(value) if isinstance(value, float) else int(value))
 
 

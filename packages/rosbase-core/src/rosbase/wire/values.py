@@ -114,7 +114,7 @@ def as_list(value: Any, where: str, *, takes_bytes: bool) -> Sequence[Any]:
     """
     if isinstance(value, (list, tuple)) or (takes_bytes and isinstance(value, bytes)):
         return value
-    # numpy's arrays, those of the standard library and memoryviews; a text is no list of texts.
+    # Arrays of numpy and of the standard library, and memoryviews; a text is no list of texts.
     if hasattr(value, "tolist") and isinstance(elements := value.tolist(), list):
         return elements
     raise wrong(value, where, "a tuple")

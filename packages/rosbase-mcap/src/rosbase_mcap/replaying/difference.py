@@ -148,7 +148,7 @@ class Comparison:
             self._flow = flow
 
     def hear(self, number: int, topic: str, log_ns: int, data: bytes) -> None:
-        """Compare the next message of the replay, whose values are those of an `Output`."""
+        """Compare the next message of the replay, given as the values of an `Output`."""
         if self.difference is not None:
             return
         one = next(self._recorded, None) if self._flow is None else self._next_of(topic)

@@ -127,7 +127,7 @@ def replay(
     """Run a program in virtual time, fed from a recording, and return what it has published.
 
     It runs as fast as it can, on the calling thread. Its arguments, its parameters from outside
-    and its log levels are those of the recording.
+    and its log levels come from the recording.
 
     Args:
         path: The recording, or a bag of ROS.

@@ -36,7 +36,7 @@ class ReplayOptions:
     start_ns: int = 0
     """From here on, in nanoseconds since the start, the replay keeps its rate and shows the log."""
     end_ns: int | None = None
-    """End of the replay, in nanoseconds since the start; None for that of the recording."""
+    """End of the replay, in nanoseconds since the start; None for the end of the recording."""
     checks: bool = False
     """Whether what the program publishes is compared with the recording."""
 

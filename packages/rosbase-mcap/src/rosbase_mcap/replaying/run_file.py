@@ -120,7 +120,7 @@ def open_run(path: Path) -> RunFile | None:
     while parts[-1].end is None:
         following = part_path(path, len(parts))
         found = _part(following) if following.exists() else None
-        # The file may be of another recording, whose name is like that of a part.
+        # The file may be of another recording that is named like a part of this one.
         if found is None or found.run != evolve(first.run, part=len(parts)):
             break
         parts.append(found)

@@ -67,7 +67,7 @@ def board(quaternion: Sequence[float], columns: int, rows: int, glyphs: Glyphs) 
     # How far each axis of the board points to the eye.
     facing = [_dot(turned(axis), _TO_EYE) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
     for begin, end in _EDGES:
-        # Two sides meet in an edge: those of the coordinates that its ends share.
+        # Two sides meet in an edge, one for each coordinate that its ends share.
         sides = [a * f for a, b, f in zip(begin, end, facing, strict=True) if a == b]
         if max(sides) > 0.0:
             edges.line(place(_scaled(begin)), place(_scaled(end)))
@@ -78,7 +78,7 @@ def board(quaternion: Sequence[float], columns: int, rows: int, glyphs: Glyphs) 
 
 
 def _inked(edges: str, arrow: str) -> Line:
-    """Return a row of both pictures; where both have dots, those of the arrow."""
+    """Return a row of both pictures; where both have dots, the arrow's show."""
     cells = [
         (e, Ink.DRAWING) if a in " \u2800" else (a, Ink.X)
         for e, a in zip(edges, arrow, strict=True)

@@ -71,7 +71,7 @@ def row_line(
         columns: The columns.
         sizes: Their widths, from `widths`.
         margin: Text in front of the row.
-        ink: Meaning of the whole row, in place of those of its cells.
+        ink: Meaning of the whole row, in place of its cells' own.
     """
     spans = [Span(margin, ink or Ink.PLAIN)]
     for cell, column, width in zip(row, columns, sizes, strict=True):

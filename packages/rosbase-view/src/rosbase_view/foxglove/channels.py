@@ -161,7 +161,7 @@ class Channels:
             self._makes_transforms = makes
 
     def _set(self, name: str, type_name: str, text: str, key: TopicKey | None) -> None:
-        """Let a channel be that of a topic. Clients stay if it is as it was before."""
+        """Give a topic its channel. Clients stay if it is as it was before."""
         found = self._open.get(name)
         if found is not None and (found.type, found.schema) == (type_name, text):
             found.topic = key

@@ -20,7 +20,7 @@ from rosbase_view.reports import Survey
 __all__ = ["ClientTopics", "Publisher"]
 
 Publisher = tuple[int, int]
-"""Id of a client, and that of the channel that it publishes on."""
+"""Id of a client, and id of the channel that it publishes on."""
 
 _ANSWER_S = 6.0
 _MOST_WAITING = 1_000

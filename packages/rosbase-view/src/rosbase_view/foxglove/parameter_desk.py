@@ -68,7 +68,7 @@ class ParameterDesk:
 
     def update(self, survey: Survey) -> None:
         """Take what runs."""
-        # The parameters of plain nodes are those of their manager, as in ROS.
+        # Plain nodes have their parameters on their manager, as in ROS.
         nodes = self._names.update(
             {
                 node.key: candidates(node.key[0], node.program, node.key[1])

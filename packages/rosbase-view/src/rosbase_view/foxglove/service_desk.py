@@ -70,7 +70,7 @@ class ServiceDesk:
             else []
         )
         silent = pids - {reply.pid for reply in replies}
-        # Those of a program that does not answer stay as long as it is there.
+        # A program that does not answer keeps its services as long as it is there.
         kept = {key: nodes for key, nodes in self._found.items() if key.pid in silent}
         return kept | {
             _Key(service["name"], service["type"], reply.pid): service["servers"]

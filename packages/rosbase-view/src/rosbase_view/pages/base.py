@@ -14,7 +14,7 @@ __all__ = ["BasePage"]
 
 
 class BasePage:
-    """A page whose rows are those of a table. Subclasses give the columns and the cells."""
+    """A page that shows a table. Subclasses give the columns and the cells."""
 
     title: str = ""
     hints: Sequence[tuple[str, str]] = ()

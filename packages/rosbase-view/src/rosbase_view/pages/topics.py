@@ -115,7 +115,7 @@ class TopicsPage(BasePage):
         return "" if name is None else name + ending
 
     def _message_lines(self, heard: Heard, pane: Pane, first: int) -> list[Line]:
-        """Return the lines of a message: those of before, if it is the same one."""
+        """Return the lines of a message, without drawing it again if it is the same one."""
         how = (pane.width, pane.height, first, self._is_folded)
         if self._drawn is None or self._drawn[0] is not heard or self._drawn[1] != how:
             self._drawn = (heard, how, self._message(heard, pane, first))

@@ -73,7 +73,7 @@ def read_past(
         for topic in recording.topics
         for number in range(_WINDOWS)
     ]
-    # Such as a map that was published once; those of the last seconds are counted above.
+    # Such as a map that was published once; the last seconds' are counted above.
     old = [Window(one.topic, 1, 0.0, one.stamp_ns) for one in latest if one.stamp_ns < from_ns]
     return Past((*old, *windows), tuple(log))
 

@@ -6,7 +6,7 @@ __all__ = ["Playhead"]
 
 
 class Playhead:
-    """Moves through the time of a recording as that of the machine passes."""
+    """Moves through the time of a recording while the machine's time passes."""
 
     def __init__(self, begin_ns: int, end_ns: int) -> None:
         """Stand at the beginning.

@@ -18,7 +18,7 @@ def record_of(heard: Heard) -> LogRecord | None:
         return {
             "pid": heard.topic[1],
             "stamp_ns": stamp["sec"] * 1_000_000_000 + stamp["nanosec"],
-            # The levels of ROS are those of `logging`.
+            # ROS and `logging` have the same levels.
             "level": message["level"],
             "name": message["name"],
             "text": message["msg"],

@@ -148,7 +148,7 @@ class RecordedSource:
         self._on_news()
 
     def set_rate(self, rate: float) -> None:
-        """Set the speed; 1 is that of the recording."""
+        """Set the speed; 1 is the speed of the recording."""
         with self._changed:
             self._head.set_rate(rate, self._clock.monotonic_ns())
             self._changed.notify_all()

@@ -58,7 +58,7 @@ class Choice:
 
     @property
     def labels(self) -> Sequence[str]:
-        """Labels of all options, with that of the chosen one in any case."""
+        """Labels of all options, always with the chosen one."""
         labels = [self._label(key) for key in self._keys]
         return labels if self._chosen is None or self.key else [self.label, *labels]
 

@@ -23,7 +23,7 @@ from rosbase_view.web.watch import ALIVE, with_watch
 
 __all__ = ["Guard"]
 
-# For browsers that do not answer, such as that of a suspended machine.
+# For browsers that do not answer, such as one on a suspended machine.
 _CLOSE_S = 1.0
 _REFUSAL = b"Open the address that rosbase view has printed: it ends in a token.\n"
 

@@ -27,7 +27,7 @@ __all__ = ["TRANSITIONS", "ChooseNode", "ChooseTopic", "Model", "Picture", "Pres
 TRANSITIONS = ("configure", "activate", "deactivate", "cleanup", "shutdown")
 """Transitions that a user runs, in the order of their buttons."""
 
-# Without a message for so long, the orientation is not that of now.
+# Without a message for so long, the orientation is out of date.
 _FRESH_NS = 2_000_000_000
 
 

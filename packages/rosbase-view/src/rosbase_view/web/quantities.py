@@ -23,7 +23,7 @@ IMU = "sensor_msgs/msg/Imu"
 MAGNETIC_FIELD = "sensor_msgs/msg/MagneticField"
 
 Rotation: TypeAlias = tuple[float, float, float, float]
-"""Unit quaternion w, x, y, z: from the frame of the sensor to that of the world."""
+"""Unit quaternion w, x, y, z: from the sensor's frame to the world's."""
 Values: TypeAlias = tuple[float, ...]
 
 _LEAST_NORM = 1e-6

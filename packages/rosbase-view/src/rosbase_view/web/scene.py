@@ -15,7 +15,7 @@ _FLOOR = -0.6
 
 
 class Scene:
-    """A board over a floor, with the axes of its sensor and those of the world."""
+    """A board over a floor, with the axes of its sensor and of the world."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         """Put everything into the scene."""

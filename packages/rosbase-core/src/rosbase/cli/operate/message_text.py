@@ -1,6 +1,6 @@
 """Messages as text, as `ros2 topic echo` prints them: YAML, CSV and JSON. Pure.
 
-The rules for long lists and texts are those of rosidl_runtime_py (`message_to_yaml` and
+Long lists and texts follow the rules of rosidl_runtime_py (`message_to_yaml` and
 `message_to_csv`).
 """
 

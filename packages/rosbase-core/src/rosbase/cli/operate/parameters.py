@@ -83,7 +83,7 @@ def _report(head: str, texts: tuple[str, str], result: SetResult) -> bool:
     if result["successful"]:
         print(f"{head}{good}{reason}")
     else:
-        # The order of the two streams is that of the parameters.
+        # Both streams keep the order of the parameters.
         sys.stdout.flush()
         print(f"{head}{bad}{reason}", file=sys.stderr)
     return not result["successful"]

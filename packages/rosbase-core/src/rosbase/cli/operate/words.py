@@ -40,7 +40,7 @@ _ECHO = Command(
     "print the messages of a topic",
     "observing.echo",
     _TOPIC,
-    Argument("type", "its type, checked against that of the topic", needed=False),
+    Argument("type", "its type, checked against the topic's", needed=False),
     Option("--field", "print only this field, such as pose.position or axes[0]", value="FIELD"),
     Option("--once", "print one message and end"),
     Option("--json", "print a line of JSON for each message"),

@@ -20,7 +20,7 @@ for nothing, and not run code of the program. It answers in one of these ways:
 `request.text("topic")`, `whole`, `flag` and `texts` read arguments and check their types;
 `request.data` are the bytes behind the request. `session.kept` holds things for later requests of
 the same connection, and `session.on_close(function)` releases them. `session.call(function)` brings
-a function from any thread to that of the socket.
+a function from any thread to the thread of the socket.
 """
 
 from importlib import import_module

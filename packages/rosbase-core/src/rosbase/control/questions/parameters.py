@@ -35,7 +35,7 @@ class ParameterQuestions(NodeQuestions):
         return dict(sorted(everything.items()))
 
     def names_in_files(self, node: str) -> tuple[list[str], list[str]]:
-        """Return the names that a node has in parameter files, and those of its manager.
+        """Return the names of a node, and of its manager, in parameter files.
 
         The first one is the name for messages. Only a plain node, which is found by its key, has
         its parameters among those of its manager.

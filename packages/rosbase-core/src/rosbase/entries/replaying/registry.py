@@ -14,7 +14,7 @@ _Key: TypeAlias = tuple[int, str, int]
 
 
 class Registry:
-    """Knows the objects of the program and those of the recording, which may differ.
+    """Knows the objects of the program and of the recording, which may differ.
 
     While both create the same, numbers agree. After a difference, a number of the recording means
     the object with the same class and text, the first or the second or so on.

@@ -23,7 +23,7 @@ _MOMENT_S = 0.001
 class ReplayedClock:
     """Returns the recorded readings of the entry that runs, then the time of the machine.
 
-    On other threads it is the clock of the machine, whose time is that of the entry.
+    On other threads it is the clock of the machine, which stands at the time of the entry.
     """
 
     def __init__(self, conductor: "Conductor", machine: VirtualClock, turn: Turn) -> None:
@@ -55,7 +55,7 @@ class ReplayedClock:
             machine.t_ns = t_ns
 
     def begin_free(self) -> None:
-        """Forget the recorded readings: from now on, the clock is that of the machine."""
+        """Forget the recorded readings, and read the clock of the machine from now on."""
         self._notes = NO_NOTES
         self._sleeps_count = True
 

@@ -71,7 +71,7 @@ class ReplayedExecutor(Executor):
             if timer.serial is not None:
                 super()._push(timer.due_ns, timer)
 
-    # Calls from anywhere. Those of other threads come when the script says so.
+    # Calls from anywhere. Other threads' calls come when the script says so.
 
     def call_soon(self, function: Callable[[], object]) -> None:
         """Queue a call."""

@@ -9,7 +9,7 @@ _FOR_EVER = 5_000_000
 
 
 class VirtualClock:
-    """Times are those of the recording. Any thread may read it; the replay's own moves it."""
+    """Times come from the recording. Any thread may read it; only the replay's own moves it."""
 
     def __init__(self, start_date_ns: int, start_monotonic_ns: int) -> None:
         """Start at the beginning of the recorded run."""

@@ -24,7 +24,7 @@ _TIMEOUT_S = 20.0
 def session_size(terminal: tuple[int, int] | None, panes: int) -> tuple[int, int]:
     """Return columns and lines for a session with that number of panes.
 
-    They are those of the terminal, so that nothing moves when it attaches; a larger size if the
+    They are the terminal's, so that nothing moves when it attaches; a larger size if the
     panes have no room there, or there is no terminal.
     """
     if terminal is None or panes > (terminal[1] // _PANE_LINES) ** 2:

@@ -77,7 +77,7 @@ class ReplayedParameters(ParameterRules):
         return Parameter(name, list(known.value)) if isinstance(known.value, list) else known
 
     def names(self) -> list[str]:
-        """Return the names of all parameters, with those of rclpy."""
+        """Return the names of all parameters, with rclpy's own."""
         return list(found(self._conductor, lambda: list(self._values)))
 
     def set(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:

@@ -29,7 +29,7 @@ class ReplayedProgram:
     conductor: Conductor
     """The replay."""
     machine: Clock
-    """The clock below that of the program."""
+    """The clock below the program's."""
     executor: Executor
     new_ends: NewEnds
     """Tells of new publishers and subscriptions."""

@@ -27,7 +27,7 @@ ResponseT = TypeVar("ResponseT")
 
 
 class ReplayedServer(ServiceServer):
-    """Answers requests in bytes, as on the middleware: those of the recording and of the program.
+    """Answers requests in bytes, as on the middleware, from the recording and from the program.
 
     A field that cannot be sent is a fault of the callback here too.
     """

@@ -47,7 +47,7 @@ class ReplayedPublisher:
         self._number = conductor.number(Numbered.PUBLISHER, topic, self._replay)
 
     def publish(self, message: Any) -> bool:
-        """Hand the message to taps. That of another thread comes from the recording."""
+        """Hand the message to taps. Another thread's message comes from the recording."""
         if not isinstance(message, self.msg_type):
             taken, given = name_of(self.msg_type), name_of(type(message))
             raise TypeError(f"{self.topic} takes {taken}, not {given}")

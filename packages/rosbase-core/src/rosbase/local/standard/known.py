@@ -20,7 +20,7 @@ class KnownServices:
     """
 
     def __init__(self) -> None:
-        # Those of this process first; replaced, so that reading needs no lock.
+        # This process's first; replaced, so that reading needs no lock.
         self._all: tuple[_Entry, ...] = ()
 
     def add(self, services: StandardServices, link: ServiceLinkEnd | None) -> None:

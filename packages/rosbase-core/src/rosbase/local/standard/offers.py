@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["StandardOffers"]
 
-# Those of rcl_lifecycle and of rclpy.
+# As in rcl_lifecycle and rclpy.
 _TRANSITION_DEPTH = 10
 _PARAMETER_DEPTH = 1000
 _PARAMETER_EVENTS = "/parameter_events"

@@ -107,7 +107,7 @@ def _set_together(
 
 
 def _value(parameters: NodeParameters, message: msgs.Parameter) -> Any:
-    """Return the value that a message has, as that of the declared type if a tool guessed it.
+    """Return the value of a message, in the declared type if a tool guessed another.
 
     Raises:
         ParameterError: Its type does not exist.

@@ -48,7 +48,7 @@ class OpeningChecks(BackendRig):
         for name in ("call_soon", "spin_once", "spin_until"):
             promised.require(
                 getattr(backend, name) == getattr(backend.executor, name),
-                f"{name} is not that of the executor",
+                f"{name} is not the executor's",
             )
 
     def test_takes_a_clock(self) -> None:

@@ -53,7 +53,7 @@ class ServiceCallChecks(ServiceRig):
                 backend.create_client(kind, given),
             ):
                 shown = end.service_name
-                promised.require(shown == full, f"that of {given!r} is {shown!r}")
+                promised.require(shown == full, f"{given!r} is shown as {shown!r}")
 
     def test_wrong_service_names_are_errors(self) -> None:
         promised, backend = self.begin("wrong-service-names-are-errors")

@@ -43,7 +43,7 @@ class ServiceRig(BackendRig):
         return backend.create_client(self.service_kind.srv_type, name)
 
     def ask(self, client: Client[Any, Any], number: int, timeout_s: float | None = None) -> int:
-        """Call with a number; return that of the answer."""
+        """Call with a number; return the answer's number."""
         limit_s = self.patience_s if timeout_s is None else timeout_s
         answer = client.call(self.service_kind.request(number), timeout_s=limit_s)
         return self.service_kind.number(answer)

@@ -267,7 +267,7 @@ def _found(ends: tuple[TopicEnd | ServiceEnd, ...], facts: _Facts) -> list[Any]:
 
 
 def _offers(end: TopicEnd, profile: QoSProfile) -> bool:
-    """Return whether the policies that matter to matching are those of the profile."""
+    """Return whether the policies that matter to matching equal the profile's."""
     found = end.profile
     return found is not None and (found.durability, found.reliability) == (
         profile.durability,

@@ -89,7 +89,7 @@ class TopicChecks(BackendRig):
                 backend.create_publisher(String, topic, 1),
                 backend.create_subscription(String, topic, print, 1),
             ):
-                promised.require(end.topic == full, f"that of {topic!r} is {end.topic!r}")
+                promised.require(end.topic == full, f"{topic!r} is shown as {end.topic!r}")
 
     def test_wrong_names_are_errors(self) -> None:
         promised, backend = promise("wrong-names-are-errors"), self.open()
