@@ -295,14 +295,20 @@ def test_a_signal_at_any_early_moment_ends_it_without_a_traceback(
     port: PluggablePort, signum: int
 ) -> None:
     port.plug()
+    too_early = 0
     for delay_ms in range(0, 300, 20):
         with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
             wait_until(partial(our_code_runs, reader.process.pid), "Python's own start")
             # Not to wait for something, but to come at another moment each time.
             time.sleep(delay_ms / 1000)
             status = reader.end(signum)
+        if reader.err.count("init_import_site"):
+            # Python looks the same for a moment between two signals that it sets up.
+            too_early += 1
+            continue
         assert status in (0, -signum), reader.err.lines
         assert reader.err.count("Traceback") == 0, reader.err.lines
+    assert too_early < 3
     with RunningRosbase("imu", "-p", f"device_path:={port.path}") as reader:
         reader.waits_for("opened")
         assert reader.end(signum) == 0
