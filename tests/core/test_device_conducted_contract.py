@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
+import pytest
+
 from rosbase.contracts.transport import Transport, TransportContext
 from rosbase.device.conducted import conducted_transport
 from rosbase.entries.recorder import Recorder
 from rosbase.parameters import ParameterValue
 from rosbase.plugins import TransportPlugin
 from support.fifo import PARAMETERS, FifoContract, make_transport
+
+pytestmark = pytest.mark.once
 
 
 class Idle(Recorder):

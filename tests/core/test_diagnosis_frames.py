@@ -20,6 +20,8 @@ from support.packing import cbor, message_pack, protobuf
 from support.samples import GOOD, GOOD_FRAME
 from support.strategies import frames
 
+pytestmark = pytest.mark.once
+
 LINE = b'{"accel_x":0,"accel_y":0.5,"accel_z":9.81,"gyro_x":0,"gyro_y":0,"gyro_z":0.1}'
 TEXT = LINE.decode()
 # Three packets of the protocols that IMUs speak most, as their manuals have them.

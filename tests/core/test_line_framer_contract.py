@@ -2,10 +2,13 @@
 
 from typing import ClassVar
 
+import pytest
 from hypothesis import strategies as st
 
 from rosbase.framing import LineFramer
 from rosbase.testing import FramerContract, strategies
+
+pytestmark = pytest.mark.once
 
 
 class TestLineFramer(FramerContract):
