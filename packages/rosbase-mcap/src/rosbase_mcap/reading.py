@@ -29,7 +29,16 @@ from rosbase_mcap.recovery import is_complete
 from rosbase_mcap.scanning import Found, records_in, records_of
 from rosbase_mcap.summary import Summary
 
-__all__ = ["Content", "Entry", "Selection", "contents", "messages", "read_summary"]
+__all__ = [
+    "Content",
+    "Entry",
+    "Selection",
+    "batches",
+    "contents",
+    "messages",
+    "read_content",
+    "read_summary",
+]
 
 Content: TypeAlias = Schema | Channel | Message | Attachment | Metadata
 
@@ -77,14 +86,36 @@ def contents(stream: BinaryIO) -> Iterator[Content]:
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.
     """
+    for several in batches(stream):
+        for content in several:
+            if type(content) is Message:
+                yield content
+            elif (one := read_content(*content)) is not None:
+                yield one
+
+
+def batches(stream: BinaryIO) -> Iterator[Sequence[Any]]:
+    """Yield the contents of each chunk, or of a record that is in none; see `contents_of`.
+
+    For whom each call for a message counts. What is no message is read by `read_content`.
+
+    Raises:
+        NotMcapError: The file does not begin as an MCAP file does.
+    """
     for found in records_of(stream):
         if found.kind in (Kind.DATA_END, Kind.FOOTER):
             return
-        for content in _opened(found):
-            if type(content) is Message:
-                yield content
-            elif (one := _read(*content)) is not None:
-                yield one
+        yield _opened(found)
+
+
+def read_content(kind: int, content: bytes | memoryview) -> Content | None:
+    """Return what a record holds; None if it is damaged, or of a kind that nobody reads."""
+    read = _READERS.get(kind)
+    try:
+        return read(content) if read is not None else None
+    except McapError:
+        # Its length was right, so the records behind it are found all the same.
+        return None
 
 
 def messages(stream: BinaryIO, selection: Selection | None = None) -> Iterator[Entry]:
@@ -136,15 +167,6 @@ def _opened(found: Found) -> Sequence[Any]:
     except McapError:
         return []
     return contents_of(chunk.data) if not chunk.compression else []
-
-
-def _read(kind: int, content: bytes | memoryview) -> Content | None:
-    read = _READERS.get(kind)
-    try:
-        return read(content) if read is not None else None
-    except McapError:
-        # Its length was right, so the records behind it are found all the same.
-        return None
 
 
 def _summary(data: bytes) -> Summary | None:

@@ -3,6 +3,7 @@
 from collections.abc import Generator, Iterator
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
@@ -13,7 +14,7 @@ from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.commands.opened import damage_text, opened
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.outputs import Output
-from rosbase_mcap.reading import contents, read_summary
+from rosbase_mcap.reading import batches, contents, read_content, read_summary
 from rosbase_mcap.recorder import LOSSES
 from rosbase_mcap.records import PREFIX, Attachment, Channel, Message, Metadata, Schema
 from rosbase_mcap.recovery import is_complete
@@ -81,13 +82,15 @@ class RunFile:
         topics: dict[int, str] = {}
         # In C, as the class itself would do it in Python.
         make = partial(tuple.__new__, Output)
-        for content in contents(stream):
-            if type(content) is Message:
-                number, sequence, log_ns, _, data = content
+        for one in chain.from_iterable(batches(stream)):
+            if type(one) is Message:
+                number, sequence, log_ns, _, data = one
                 topic = topics.get(number)
                 if topic is not None:
                     yield make((sequence, topic, log_ns, data))
-            elif type(content) is Schema:
+                continue
+            content = read_content(*one)
+            if type(content) is Schema:
                 schemas[content.id] = content
             elif type(content) is Channel and content.metadata.get(ORIGIN) != OUTSIDE:
                 topics[content.id] = content.topic
