@@ -10,6 +10,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from rosbase.plugins import installed_plugins
+
 __all__ = ["HASH_SEED", "differences", "restored", "restored_environment", "surroundings"]
 
 HASH_SEED = "PYTHONHASHSEED"
@@ -32,6 +34,8 @@ def surroundings() -> dict[str, Any]:
         "python": platform.python_version(),
         "machine": platform.machine(),
         "versions": {name: _version(name) for name in _DISTRIBUTIONS},
+        # A reader has the parameters of each transport.
+        "transports": sorted(installed_plugins().transports),
     }
 
 
@@ -53,6 +57,11 @@ def differences(recorded: Mapping[str, Any], program: str) -> list[str]:
         old = versions.get(name) if isinstance(versions, dict) else None
         if old and old != new:
             found.append(f"{name} is {new}, not {old}")
+    old = recorded.get("transports")
+    if isinstance(old, list):
+        new = now["transports"]
+        found += [f"the transport {name} is installed now" for name in new if name not in old]
+        found += [f"the transport {name} is not installed" for name in old if name not in new]
     sha256, seed = _sha256(program), str(recorded.get("hash_seed", ""))
     if sha256 and recorded.get("program_sha256") and sha256 != recorded["program_sha256"]:
         found.append(f"{program} has changed")
