@@ -13,8 +13,8 @@ from rosbase.entries.trace import TraceBlock
 
 __all__ = ["NO_NOTES", "Creation", "Entry", "Notes", "read_entries"]
 
-# By the number of a kind: how many numbers it takes with its own, which entry it begins unless it is
-# a note, and whether it has a payload. One look at a table takes less time than three.
+# By the number of a kind: how many numbers it takes with its own, which entry it begins (notes
+# begin none), and whether it has a payload. One look at a table takes less time than three.
 _STEPS = {
     int(kind): (1 + size, None if kind in IS_NOTE else Kind(kind), kind in HAS_PAYLOAD)
     for kind, size in INTS.items()
