@@ -254,7 +254,9 @@ class Player:
         if entry.kind is _TICK:
             self._ticks += 1
         self.clock.begin(entry)
-        if entry.notes is not NO_NOTES:
+        notes = entry.notes
+        # Most have none, and most others are readings, which are the clock's.
+        if notes is not NO_NOTES and (notes.created or notes.periods or notes.spoiled):
             self._note(entry)
         self.next = next(self._script, None)
         if self._pace is not None:
