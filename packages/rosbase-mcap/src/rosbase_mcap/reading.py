@@ -97,7 +97,8 @@ def contents(stream: BinaryIO) -> Iterator[Content]:
 def batches(stream: BinaryIO) -> Iterator[Sequence[Any]]:
     """Yield the contents of each chunk, or of a record that is in none; see `contents_of`.
 
-    For whom each call for a message counts. What is no message is read by `read_content`.
+    Use it where one more call for each message would take too long. `read_content` reads what is no
+    message.
 
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.
