@@ -86,7 +86,7 @@ def end(reader: RunningRosbase) -> int:
     status = reader.end(signal.SIGINT)
     # At such a date rclpy itself takes its time.
     assert time.monotonic() - start_s < 15.0
-    assert "Traceback" not in reader.err
+    assert "Traceback" not in reader.err, reader.err.lines
     return status
 
 
