@@ -28,7 +28,7 @@ for _signum in (signal.SIGHUP, signal.SIGINT):
 # ROS reads it when a class of messages is imported, which is before any fixture.
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 
-_STRANGE = ("NO_COLOR", "PYTHONUNBUFFERED")
+_STRANGE = ("NO_COLOR", "PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED")
 _FDS = Path("/proc/self/fd")
 _CHILDREN = Path("/proc/self/task")
 
@@ -68,6 +68,7 @@ def runtime_dir() -> Iterator[str]:
 def own_surroundings(monkeypatch: pytest.MonkeyPatch, runtime_dir: str) -> Iterator[None]:
     """Keeps the user's environment and the last test's logging out of a test."""
     # PYTHONUNBUFFERED too: a new user has it not set, and output behaves differently with it.
+    # Commands that may not write bytecode take twice as long to start.
     for name in [n for n in os.environ if n.startswith(("ROSBASE_", "RCUTILS_")) or n in _STRANGE]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("XDG_RUNTIME_DIR", runtime_dir)
