@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from support.plugins import TRANSPORT_PLUGIN, install_plugin
+
 PROGRAM = """
 import sys
 from rosbase import BaseManager, BaseNode
@@ -39,8 +41,9 @@ if __name__ == "__main__":
 """
 
 
-def rosbase(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+def rosbase(folder: Path, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONHASHSEED"}
+    environment |= variables
     return subprocess.run(
         [sys.executable, "-m", "rosbase", *words],
         cwd=folder,
@@ -62,6 +65,16 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def with_lan(tmp_path: Path) -> dict[str, str]:
+    """The environment in which a transport `lan` is installed; there is a program too."""
+    (tmp_path / "robot.py").write_text(PROGRAM)
+    packages = tmp_path / "packages"
+    packages.mkdir()
+    install_plugin(packages, "imu-lan", "lan", TRANSPORT_PLUGIN.format(name="lan"))
+    return {"PYTHONPATH": str(packages)}
+
+
 def test_a_replay_has_parameters_arguments_and_hash_seed_of_the_recording(folder: Path) -> None:
     done = rosbase(folder, "replay", "run.mcap", "robot.py", "--check")
     assert (done.returncode, done.stdout) == (0, "")
@@ -70,6 +83,26 @@ def test_a_replay_has_parameters_arguments_and_hash_seed_of_the_recording(folder
     again = rosbase(folder, "replay", "run.mcap", "--check")
     assert again.stderr.splitlines()[-2:] == done.stderr.splitlines()[-2:]
     assert done.stderr.splitlines()[-1].startswith("sha256: ")
+
+
+def test_a_transport_that_was_installed_and_is_not_any_more_is_named(
+    tmp_path: Path, with_lan: dict[str, str]
+) -> None:
+    record = ("run", "--record", "run.mcap", "robot.py")
+    assert rosbase(tmp_path, *record, **with_lan).returncode == 0
+    named = "the transport lan is not installed"
+    assert named in rosbase(tmp_path, "replay", "run.mcap", "--check").stderr
+    assert named not in rosbase(tmp_path, "replay", "run.mcap", "--as-fast", **with_lan).stderr
+
+
+def test_plugins_that_were_blocked_are_blocked_in_the_replay(
+    tmp_path: Path, with_lan: dict[str, str]
+) -> None:
+    record = ("run", "--record", "run.mcap", "robot.py")
+    assert rosbase(tmp_path, *record, ROSBASE_BLOCK_PLUGINS="imu-lan", **with_lan).returncode == 0
+    done = rosbase(tmp_path, "replay", "run.mcap", "--check", **with_lan)
+    assert done.returncode == 0
+    assert "transport" not in done.stderr
 
 
 def test_a_changed_program_is_named_and_its_difference_is_shown(folder: Path) -> None:

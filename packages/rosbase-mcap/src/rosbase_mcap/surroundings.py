@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from rosbase.plugins import installed_plugins
+from rosbase.plugins import BLOCK_VARIABLE, installed_plugins
 
 __all__ = ["HASH_SEED", "differences", "restored", "restored_environment", "surroundings"]
 
@@ -18,7 +18,7 @@ HASH_SEED = "PYTHONHASHSEED"
 """Variable with the seed on which the order of sets of texts depends."""
 _PREFIX = "ROSBASE_"
 # Others concern files and sockets of the machine, or are secret.
-_NOTED = ("ROSBASE_PARAMETERS", "ROSBASE_LOG_LEVEL")
+_NOTED = ("ROSBASE_PARAMETERS", "ROSBASE_LOG_LEVEL", BLOCK_VARIABLE)
 # What a user sets for the replay itself.
 _KEPT = ("ROSBASE_LOG_FILE", "ROSBASE_LOG_FILE_SIZE", "ROSBASE_LOG_FILE_COUNT")
 _DISTRIBUTIONS = ("rosbase-core", "rosbase-mcap")
