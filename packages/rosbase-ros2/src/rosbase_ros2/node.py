@@ -14,17 +14,11 @@ from rosbase import (
     Graph,
     ManagedNode,
     MessageFormat,
-    NodeConnection,
-    OnSetParameters,
-    Parameter,
-    ParameterSpec,
-    PostSetParameters,
     Publisher,
     Sender,
     Service,
     ServiceCallback,
     ServiceType,
-    SetParametersResult,
     Subscription,
     Tap,
     Timer,
@@ -35,6 +29,7 @@ from rosbase import (
     timer_period_ns,
 )
 from rosbase.contracts.recorded_answers import found
+from rosbase.contracts.stored_parameters import StoredParameters
 from rosbase.entries.conductor import Conductor
 from rosbase.entries.recorded_clock import RecordedClock
 from rosbase.wire.values import name_of
@@ -71,7 +66,7 @@ RequestT = TypeVar("RequestT")
 ResponseT = TypeVar("ResponseT")
 
 
-class RosNode(NodeConnection):
+class RosNode(StoredParameters):
     """The connection of one node, which ROS sees under its name."""
 
     def set_up(
@@ -127,7 +122,7 @@ class RosNode(NodeConnection):
         make_parameters = (
             RosParameters if conductor is None else self._recorded_parameters(conductor)
         )
-        self._parameters = make_parameters(
+        self._parameters: RosParameters = make_parameters(
             node,
             overrides,
             questions,
@@ -273,34 +268,6 @@ class RosNode(NodeConnection):
         """Destroy a timer."""
         if isinstance(timer, RosTimer):
             self._timers.remove(timer)
-
-    def declare_parameter(self, spec: ParameterSpec) -> Parameter[Any]:
-        """Declare a parameter of the node."""
-        return self._parameters.declare(spec)
-
-    def get_parameter(self, name: str) -> Parameter[Any]:
-        """Return the parameter with its current value, also if it was set from outside."""
-        return self._parameters.get(name)
-
-    def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
-        """Set parameters of the node, or none of them if one is refused."""
-        return self._parameters.set(parameters)
-
-    def parameter_names(self) -> list[str]:
-        """Return the names of the node's parameters, with those that rclpy has declared."""
-        return self._parameters.names()
-
-    def describe_parameter(self, name: str) -> ParameterSpec:
-        """Return the declaration of a parameter."""
-        return self._parameters.describe(name)
-
-    def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` on the main loop before parameters are set, from any source."""
-        self._parameters.add_callback(callback)
-
-    def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
-        """Call `callback` on the main loop after parameters were set, from any source."""
-        self._parameters.add_post_callback(callback)
 
     def expose_lifecycle(self, node: ManagedNode) -> None:
         """Create the five services and the topic with which the ROS tools drive a managed node."""

@@ -1,4 +1,4 @@
-"""Connections that keep the parameters of their node in a store of this process."""
+"""Connections that pass on the parameters of their node to a store."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol
@@ -52,7 +52,7 @@ class StoredParameters(NodeConnection):
         return self._parameters.declare(spec)
 
     def get_parameter(self, name: str) -> Parameter[Any]:
-        """Return the parameter with its current value."""
+        """Return the parameter with its current value, also if others have set it."""
         return self._parameters.get(name)
 
     def set_parameters(self, parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
@@ -68,9 +68,9 @@ class StoredParameters(NodeConnection):
         return self._parameters.describe(name)
 
     def add_on_set_parameters_callback(self, callback: OnSetParameters) -> None:
-        """Ask `callback` before parameters are set."""
+        """Ask `callback` before parameters are set, from any source."""
         self._parameters.add_callback(callback)
 
     def add_post_set_parameters_callback(self, callback: PostSetParameters) -> None:
-        """Call `callback` after parameters were set."""
+        """Call `callback` after parameters were set, from any source."""
         self._parameters.add_post_callback(callback)
