@@ -173,7 +173,7 @@ def _draw_rectangle(left: float, top: float, width: float, height: float, fill: 
 
 
 def _draw_dots(bits: int, left: float, top: int, fill: str) -> str:
-    """Return a cell of braille as squares, which meet its neighbours'."""
+    """Return a cell of braille as squares, so that neighbouring cells meet."""
     width, height = _CELL / 2, _ROW / 4
     side = f"h{width * 0.8:.1f}v{height * 0.8:.1f}h-{width * 0.8:.1f}z"
     squares = "".join(

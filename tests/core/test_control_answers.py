@@ -504,7 +504,7 @@ def test_while_the_loop_blocks_all_is_read_and_changes_time_out_and_are_never_ma
         handlers.may_go_on.set()
         assert client.read()[0]["id"] == number
         assert client.ask("parameter.get", node="camera")["values"]["fps"]["value"] == 25
-        # It is told after the answer, and no longer once the program stops.
+        # The callback runs after the answer, and not at all if the program stops first.
         wait_until(lambda: changes, "the callback's call")
 
     changes: list[int] = []

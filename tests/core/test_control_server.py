@@ -33,7 +33,7 @@ from support.waiting import wait_until
 
 @pytest.fixture(autouse=True)
 def own_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Keeps the sockets of a test apart from every other program's, on the machine too."""
+    """Keeps the sockets of a test apart from those of all other programs of the user."""
     # Not in a folder of pytest's: the path of a socket is short.
     with tempfile.TemporaryDirectory(prefix="rosbase-server-") as folder:
         monkeypatch.setenv("XDG_RUNTIME_DIR", folder)

@@ -303,7 +303,7 @@ def test_a_signal_at_any_early_moment_ends_it_without_a_traceback(
             time.sleep(delay_ms / 1000)
             status = reader.end(signum)
         if reader.err.count("init_import_site"):
-            # Python looks the same for a moment between two signals that it sets up.
+            # Python's own start looks the same for a moment: after SIGPIPE, before SIGINT.
             too_early += 1
             continue
         assert status in (0, -signum), reader.err.lines

@@ -61,7 +61,7 @@ class QoSProfile:
 
     depth: int = field(default=10)
     """Number of messages to keep, if not all: for the callback, and for late subscriptions."""
-    # By their numbers: rclpy's are as good.
+    # Compared by number, so members of rclpy's enumerations work too.
     reliability: ReliabilityPolicy = field(
         kw_only=True, default=ReliabilityPolicy.RELIABLE, converter=ReliabilityPolicy
     )

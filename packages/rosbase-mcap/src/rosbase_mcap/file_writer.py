@@ -36,7 +36,7 @@ __all__ = ["FileWriter"]
 
 # A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
 _CHUNK_BYTES = 1 << 20
-# As many chunks can be given up for the end of a file on a full disk: the last second's.
+# As many chunks can be given up for the end of a file on a full disk: all of the last second.
 _MOST_GIVEN_UP = 2
 
 

@@ -69,7 +69,7 @@ def _takes_two(callback: Callable[..., object]) -> bool:
         # Some builtins have none.
         return True
     kinds = {parameter.kind for parameter in signature.parameters.values()}
-    # A second parameter with a default is the program's own, such as a lambda's in a loop.
+    # A second parameter with a default is the program's own, such as `name=name` of a lambda.
     # With `*args`, as of a decorated function, it gets what rclpy would give it.
     takes_one = _binds(signature, None) and inspect.Parameter.VAR_POSITIONAL not in kinds
     return _binds(signature, None, None) and not takes_one

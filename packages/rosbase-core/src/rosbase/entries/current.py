@@ -1,4 +1,4 @@
-"""The conductors of this process: for its next program, and of the one that runs."""
+"""The conductor for the next program of this process, and the one of the running program."""
 
 from collections.abc import Callable
 

@@ -67,7 +67,7 @@ class RecordedClock:
     if not TYPE_CHECKING:  # to a type checker, it would have every attribute
 
         def __getattr__(self, name: str) -> Any:
-            """Return an attribute that only the clock itself has, as ManualClock has some."""
+            """Return an attribute of the clock itself, such as `advance` of ManualClock."""
             return getattr(self.machine, name)
 
 

@@ -22,7 +22,7 @@ class Constructed:
         super().__init_subclass__(**kwargs)
         init = cls.__init__
         if "__init__" in cls.__dict__ or not getattr(init, "_is_constructor", False):
-            # Its own, or a base's that is none of ours.
+            # Its own, or inherited from a class outside rosbase.
             cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]  # as decorated
 
     def _missing_base(self) -> str:

@@ -19,8 +19,8 @@ __all__ = ["main"]
 
 # As a shell has it: 128 and the number of SIGINT.
 _INTERRUPTED = 130
-# Each entry is an object that Python's collector counts, and none is in a cycle. With its default,
-# the collector takes a twentieth of the time.
+# The garbage collector counts every entry, and none is part of a cycle. With Python's default, it
+# takes some 4 % of the time.
 _GARBAGE = 50_000
 
 

@@ -78,7 +78,7 @@ def board(quaternion: Sequence[float], columns: int, rows: int, glyphs: Glyphs) 
 
 
 def _inked(edges: str, arrow: str) -> Line:
-    """Return a row of both pictures; where both have dots, the arrow's show."""
+    """Return a row of both pictures; where both have dots, the arrow wins."""
     cells = [
         (e, Ink.DRAWING) if a in " \u2800" else (a, Ink.X)
         for e, a in zip(edges, arrow, strict=True)

@@ -43,7 +43,7 @@ class Panel:
         Args:
             server: The server.
             on_press: Takes what users press, on a thread of viser's.
-            can_change: Whether the nodes can be changed, which a recording's cannot.
+            can_change: Whether the nodes can be changed; False for a recording.
         """
         gui = server.gui
         self._topic = _Dropdown(gui, "IMU", lambda label: on_press(ChooseTopic(label)))

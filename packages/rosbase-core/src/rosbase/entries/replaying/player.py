@@ -255,7 +255,7 @@ class Player:
             self._ticks += 1
         self.clock.begin(entry)
         notes = entry.notes
-        # Most have none, and most others are readings, which are the clock's.
+        # Most entries have none, and most notes are readings, which the clock has taken.
         if notes is not NO_NOTES and (notes.created or notes.periods or notes.spoiled):
             self._note(entry)
         self.next = next(self._script, None)
