@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 from rosbase.contracts.backend import Backend, BackendOptions
 from rosbase.contracts.recording import Recording, RecordOptions
@@ -31,7 +31,6 @@ from rosbase.processes import (
 from rosbase.roles.agent import BaseAgent
 from rosbase.roles.callables import check_answer, check_methods
 from rosbase.roles.construction import Constructed, constructor
-from rosbase.roles.context import must_call_base
 from rosbase.roles.handlers import BaseHandlers
 from rosbase.roles.keywords import warn_of_untaken
 from rosbase.roles.lifecycle_node import LifecycleNode
@@ -47,6 +46,7 @@ from rosbase.roles.recording import (
     run_aside,
 )
 from rosbase.roles.registration import Registration
+from rosbase.roles.set_by_constructor import SetByConstructor, must_call_base
 from rosbase.roles.shutdown import is_wish, name_threads_left, run_steps
 from rosbase.runtime.rate import LoopStats, Rate
 from rosbase.runtime.stopping import StopSignals, limit_real_time, stop_on_signals
@@ -59,6 +59,7 @@ AgentT = TypeVar("AgentT", bound=BaseAgent)
 
 # In virtual time a minute takes no time, and a test should not wait for ever.
 _VIRTUAL_HANDSHAKE_S = 60.0
+_ARGUMENTS = "*args, **kwargs"
 # Neither async nor generators.
 _PLAIN_METHODS = (
     "init_custom_variables",
@@ -176,21 +177,8 @@ class BaseManager(Constructed):
         self._is_offered = may_be_offered(self.backend, wanted=control)
         self._register(nodes_dict, agents_dict, handlers_class, args, kwargs)
 
-    if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
-
-        def __getattr__(self, name: str) -> Any:
-            """Explain the error if a constructor uses an attribute before it exists.
-
-            Raises:
-                AttributeError: Always; Python calls this only for missing attributes.
-            """
-            if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
-                # With a name of its own, Python adds no guess at what was meant.
-                raise AttributeError(must_call_base(self, "*args, **kwargs"), name="", obj=None)
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-
     def _missing_base(self) -> str:
-        return "" if self._is_initialised else must_call_base(self, "*args, **kwargs")
+        return "" if self._is_initialised else must_call_base(self, _ARGUMENTS)
 
     def __repr__(self) -> str:
         if not hasattr(self, "loop_stats"):
@@ -526,10 +514,12 @@ class BaseManager(Constructed):
         )
 
 
-_SET_BY_CONSTRUCTOR = {
+for _name in (
     *BaseManager.__annotations__,
     *("_has_started", "_handshake", "_processes", "_stop_requests"),
-}
+):
+    if not hasattr(BaseManager, _name):
+        setattr(BaseManager, _name, SetByConstructor(_ARGUMENTS, _name))
 
 
 def _is_duration(value: object) -> bool:

@@ -8,6 +8,7 @@ from rosbase.logger import RosbaseLogger
 from rosbase.roles.callables import check_methods
 from rosbase.roles.lookup import find_component
 from rosbase.roles.registration import Registration
+from rosbase.roles.set_by_constructor import SetByConstructor
 from rosbase.runtime.rate import LoopStats
 
 if TYPE_CHECKING:
@@ -15,17 +16,24 @@ if TYPE_CHECKING:
     from rosbase.roles.handlers import BaseHandlers
     from rosbase.roles.node import BaseNode
 
-__all__ = ["Component", "ManagerContext", "must_call_base"]
+__all__ = ["Component", "ManagerContext"]
 
-_SET_BY_CONSTRUCTOR = ("manager", "logger", "_backend", "_connection", "_machine")
+_ARGUMENTS = "manager, *args, **kwargs"
 
 NodeT = TypeVar("NodeT", bound="BaseNode")
 AgentT = TypeVar("AgentT", bound="BaseAgent")
 
 
-def must_call_base(built: object, arguments: str) -> str:
-    """Return the error text for a constructor that has not called its base class's."""
-    return f"{type(built).__name__}.__init__ must first call super().__init__({arguments})"
+class _Name(SetByConstructor):
+    """The name of a component, which no constructor sets: a subclass may have such a property."""
+
+    __slots__ = ()
+
+    def __get__(self, built: Any, owner: type) -> Any:
+        """Return the name in the log, unless the program has set another."""
+        if built is None or not built._is_initialised:
+            return super().__get__(built, owner)
+        return built._label
 
 
 class ManagerContext(Protocol):
@@ -101,6 +109,14 @@ class Component:
     _key = ""
     """Name in `nodes` or `agents` of the manager; empty if there is none."""
 
+    if not TYPE_CHECKING:  # a type checker needs the types above
+        manager = SetByConstructor(_ARGUMENTS)
+        logger = SetByConstructor(_ARGUMENTS)
+        name = _Name(_ARGUMENTS)
+        _backend = SetByConstructor(_ARGUMENTS)
+        _connection = SetByConstructor(_ARGUMENTS)
+        _machine = SetByConstructor(_ARGUMENTS)
+
     def __init__(self, manager: ManagerContext | None) -> None:
         check_methods(self, self._plain_methods)
         self.manager = manager
@@ -109,21 +125,6 @@ class Component:
         if registration is not None and not self._key:
             self._key = registration.take_key(self)
         self._is_initialised = True
-
-    if not TYPE_CHECKING:  # to a type checker, it would give every class every attribute
-
-        def __getattr__(self, name: str) -> Any:
-            """Return `name`, or explain why an attribute is missing. Python calls it for those.
-
-            Raises:
-                AttributeError: There is no such attribute, or not yet.
-            """
-            if name == "name" and self._is_initialised:
-                # Not set in the constructor, because a subclass may have a property of that name.
-                return self._label
-            if not self._is_initialised and name in _SET_BY_CONSTRUCTOR:
-                raise AttributeError(must_call_base(self, "manager, *args, **kwargs"))
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __repr__(self) -> str:
         return f"<{' '.join([type(self).__name__, *self._repr_parts()])}>"

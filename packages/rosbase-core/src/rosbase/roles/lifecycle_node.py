@@ -13,9 +13,10 @@ from rosbase.parameters import Parameter, ParameterSpec, ParameterValue, SetPara
 from rosbase.qos import QoSProfile
 from rosbase.roles.callables import check_callback
 from rosbase.roles.change_times import refusal
-from rosbase.roles.context import ManagerContext, must_call_base
+from rosbase.roles.context import ManagerContext
 from rosbase.roles.lifecycle_publisher import LifecyclePublisher
 from rosbase.roles.node import BaseNode
+from rosbase.roles.set_by_constructor import must_call_base
 from rosbase.roles.transitions import Transitions
 
 __all__ = ["Autostart", "LifecycleNode"]
