@@ -192,6 +192,19 @@ def test_two_arrays_whose_lengths_make_up_for_each_other_are_refused() -> None:
             serialize(wrong)
 
 
+@pytest.mark.parametrize(("name", "many"), [(None, (0.0, 0.0)), ("", None)])
+def test_nothing_is_no_value_of_the_first_message_of_a_type(name: Any, many: Any) -> None:
+    # Its writer has no text and no array to remember yet.
+    @message("my_msgs/msg/First")
+    @attrs.frozen
+    class First:
+        name: str = ""
+        many: Annotated[tuple[float, ...], ros.Fixed(2)] = (0.0, 0.0)
+
+    with pytest.raises(TypeError, match="not None"):
+        serialize(First(name, many))
+
+
 def test_a_bounded_wide_text_counts_units_whatever_else_is_unusual() -> None:
     @message("my_msgs/msg/Wide")
     @attrs.frozen

@@ -6,6 +6,7 @@ front, with the NUL that ends it; a sequence has its number of elements in front
 """
 
 import struct
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from rosbase.messages.widths import TYPECODES
@@ -42,8 +43,8 @@ class Run(NamedTuple):
     The padding depends on where the run begins, so there are eight layouts.
     """
 
-    codes: str
-    """Codes of the numbers."""
+    codes: Sequence[str]
+    """Codes of the numbers. One such as `9d` stands for bytes: an array of nine, packed before."""
 
     def layouts(self, order: str = "<") -> "list[struct.Struct]":
         """Return the layouts, by the offset of the begin within eight bytes."""
@@ -53,7 +54,7 @@ class Run(NamedTuple):
         parts: list[str] = []
         for code in self.codes:
             size = struct.calcsize(f"<{code}")
-            padding = -offset % size
-            parts.append("x" * padding + code)
+            padding = -offset % struct.calcsize(f"<{code[-1]}")
+            parts.append("x" * padding + (code if len(code) == 1 else f"{size}s"))
             offset += padding + size
         return "".join(parts)

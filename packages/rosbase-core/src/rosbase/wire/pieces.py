@@ -26,6 +26,7 @@ __all__ = [
 
 _TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = (b"", b"\0", b"\0\0", b"\0\0\0")
+_FEW = 33
 WIDE_SIZE = 4
 """Bytes of a unit of a wide text."""
 _length = struct.Struct("<I")
@@ -101,10 +102,19 @@ def packer(code: str) -> Callable[[Any], tuple[Any, int]]:
 def _packing_of(code: str) -> Callable[[Sequence[Any]], bytes]:
     if code in "B?":
         return bytes
-    if code == "f":
-        # An array would silently make a number infinite that is too large.
-        return lambda values: struct.pack(f"<{len(values)}f", *values)
-    return lambda values: array(code, values).tobytes()
+    # A layout for each length, because to look one up takes as long as to pack.
+    few = [struct.Struct(f"<{count}{code}").pack for count in range(_FEW)]
+
+    def packed(values: Sequence[Any]) -> bytes:
+        count = len(values)
+        if count < _FEW:
+            return few[count](*values)
+        if code == "f":
+            # An array would silently make a number infinite that is too large.
+            return struct.pack(f"<{count}f", *values)
+        return array(code, values).tobytes()
+
+    return packed
 
 
 def read_text(data: memoryview, pos: int, size: int, limit: int = 0) -> str:

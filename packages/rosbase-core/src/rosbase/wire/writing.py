@@ -36,6 +36,10 @@ _UNUSUAL = (
     struct.error,
 )
 _PYTHON_TYPES = {"f": float, "d": float, "?": bool}
+# No value of a message: not even a wrong one, such as None, is taken for it.
+_NOTHING = object()
+# Longer texts are not kept.
+_SHORT = 256
 _PADDING = tuple(bytes(count) for count in range(8))
 
 
@@ -115,7 +119,7 @@ class _Body:
         if not self._codes:
             return
         source = self._source
-        layouts = source.name_of(tuple(Run("".join(self._codes)).layouts()), "layouts")
+        layouts = source.name_of(tuple(Run(self._codes).layouts()), "layouts")
         if self._faults:
             self._refuse(" or ".join(self._faults))
         source.line(f"layout = {layouts}[pos & 7]")
@@ -133,9 +137,7 @@ class _Body:
             else:
                 self.add_number("0", "B")
         elif one.element is Width.STRING:
-            text = source.new("text")
-            encode = source.name_of(text_of, "text_of")
-            source.line(f"{text} = {encode}({value}, {one.text_limit})")
+            text = self._encoded(one, value)
             self._put_bytes(text, f"len({text})")
         elif one.element is Width.WSTRING:
             text = source.new("text")
@@ -145,6 +147,21 @@ class _Body:
         else:
             code = TYPECODES[one.element]
             self.add_number(value, code, _PYTHON_TYPES.get(code, int))
+
+    def _encoded(self, one: Field, value: str) -> str:
+        """Return the variable with the bytes of a text."""
+        source, raw, text = self._source, self._source.new("raw"), self._source.new("text")
+        # Such as the frame of a sensor: the same text in each message.
+        known = source.name_of([(_NOTHING, b"")], "known")
+        encode = source.name_of(text_of, "text_of")
+        source.line(f"{raw}, last = {value}, {known}[0]")
+        with source.block(f"if {raw} is last[0]:"):
+            source.line(f"{text} = last[1]")
+        with source.block("else:"):
+            source.line(f"{text} = {encode}({raw}, {one.text_limit})")
+            with source.block(f"if len({text}) < {_SHORT}:"):
+                source.line(f"{known}[0] = {raw}, {text}")
+        return text
 
     def _put_bytes(self, data: str, count: str) -> None:
         self.add_number(count, "I")
@@ -159,14 +176,19 @@ class _Body:
         source.line(f"{many} = {value}")
         # Such as the covariance of a sensor: the same tuple in each message, and tuples of numbers
         # do not change.
-        checked = source.name_of([None], "checked")
+        packed, known = source.new("packed"), source.name_of([(_NOTHING, b"")], "known")
         types = source.name_of((_PYTHON_TYPES.get(code, int),) * one.size, "types")
-        with source.block(f"if {many} is not {checked}[0]:"):
+        pack = source.name_of(struct.Struct(f"<{one.size}{code}").pack, "pack")
+        source.line(f"last = {known}[0]")
+        with source.block(f"if {many} is last[0]:"):
+            source.line(f"{packed} = last[1]")
+        with source.block("else:"):
             # One that is too short beside one that is too long would pass for two that are right.
             self._refuse(f"type({many}) is not tuple or tuple(map(type, {many})) != {types}")
-            source.line(f"{checked}[0] = {many}")
-        self._codes.append(code * one.size)
-        self._values.append(f"*{many}")
+            source.line(f"{packed} = {pack}(*{many})")
+            source.line(f"{known}[0] = {many}, {packed}")
+        self._codes.append(f"{one.size}{code}")
+        self._values.append(packed)
 
     def _refuse(self, condition: str) -> None:
         unusual = self._source.name_of(UnusualError, "Unusual")
