@@ -62,6 +62,34 @@ def test_what_another_thread_publishes_comes_again() -> None:
     assert replay(run, recorded) == recorded.seen
 
 
+def test_a_full_queue_keeps_the_last_messages_and_counts_the_others_again() -> None:
+    def run(program: ConductedProgram) -> None:
+        publisher = program.backend.create_publisher(Vector3, "speed", 10)
+        subscription = program.backend.create_subscription(Vector3, "speed", program.see, 2)
+        for number in range(5):
+            publisher.publish(Vector3(x=float(number)))
+        program.see(subscription.dropped)
+        program.spin()
+
+    recorded = record(run)
+    assert recorded.seen == [(3,), (Vector3(x=3.0),), (Vector3(x=4.0),)]
+    assert replay(run, recorded) == recorded.seen
+
+
+def test_a_destroyed_subscription_hears_nothing_of_what_waits_again() -> None:
+    def run(program: ConductedProgram) -> None:
+        publisher = program.backend.create_publisher(Vector3, "speed", 10)
+        subscription = program.backend.create_subscription(Vector3, "speed", program.see, 10)
+        publisher.publish(Vector3())
+        program.backend.destroy_subscription(subscription)
+        publisher.publish(Vector3())
+        program.spin()
+
+    recorded = record(run)
+    assert recorded.seen == []
+    assert replay(run, recorded) == []
+
+
 def test_a_latched_message_of_another_thread_is_kept_again() -> None:
     def run(program: ConductedProgram) -> None:
         publisher = program.backend.create_publisher(Vector3, "speed", LATCHED)

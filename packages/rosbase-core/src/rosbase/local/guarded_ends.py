@@ -47,13 +47,32 @@ class GuardedSubscription(LocalSubscription):
         self._entrance = entrance(super().deliver)
         self._turn = self._entrance.turn
 
+    # Without the lock: whoever hands over a message or takes one out has the turn, and a program's
+    # own subscriptions are never resized. Another thread may close one, but adds nothing.
+
     def deliver(self, message: Any) -> None:
         """Queue a message, from any thread; drop the oldest if the queue is full."""
-        if self._turn.owner == get_ident():
-            # Without `super()`, which takes as long as all else here.
-            LocalSubscription.deliver(self, message)
-        else:
+        if self._turn.owner != get_ident():
             self._entrance.let_in(message, super().deliver)
+            return
+        if self._closed:
+            return
+        queue = self._queue
+        is_full = len(queue) == queue.maxlen
+        if is_full:
+            self._dropped += 1
+        queue.append(message)
+        if not is_full:
+            self._schedule(self.handle_one)
+
+    def handle_one(self) -> None:
+        """Call the callback with the oldest message. For the spinning thread."""
+        try:
+            message = self._queue.popleft()
+        except IndexError:
+            return
+        if not self._closed:
+            self._callback(message)
 
 
 def guarded_publisher(
