@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import pytest
+from attrs import evolve
 
 from rosbase.clock import Clock
 from rosbase.entries.conductor import Conductor
@@ -317,7 +318,7 @@ def test_a_timer_with_another_period_is_a_difference_and_runs_with_it() -> None:
     assert player.difference.what == ("timer Program.note has period 0.25 s, recorded 0.5 s")
     assert len(heard) == 4
     # Older recordings have no periods.
-    without = [entry._replace(notes=without_periods(entry.notes)) for entry in script]
+    without = [evolve(entry, notes=without_periods(entry.notes)) for entry in script]
     assert replay(partial(run, S // 4), without)[1].difference is None
 
 

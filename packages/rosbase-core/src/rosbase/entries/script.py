@@ -2,8 +2,7 @@
 
 from collections import deque
 from collections.abc import Generator, Iterable, Sequence
-from functools import partial
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from attrs import define
 
@@ -74,10 +73,10 @@ NO_NOTES = Notes()
 """The notes of the entries without any, which are most. Nobody adds to them."""
 
 
-class Entry(NamedTuple):
+@define
+class Entry:
     """A piece of work that ran as a whole."""
 
-    # A recording of an hour has ten million, and nothing is made faster than a tuple.
     number: int
     """How many entries began before."""
     kind: Kind
@@ -101,8 +100,7 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
     It ends at a gap between two blocks. The last entry of a trace that was cut off is left out,
     because notes of it may be missing.
     """
-    # In C, as the class itself would do it in Python.
-    make, steps = partial(tuple.__new__, Entry), _STEPS
+    steps = _STEPS
     # The entry that has begun. It is made when the next one begins, and all its notes are known.
     number, kind, payload, notes = -1, Kind.BEGIN, b"", NO_NOTES
     numbers: Sequence[int] = ()
@@ -120,7 +118,7 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
             place += length
             if begun is not None:
                 if number >= 0:
-                    yield make((number, kind, numbers, payload, notes))
+                    yield Entry(number, kind, numbers, payload, notes)
                 number, kind, numbers, notes = number + 1, begun, ints[first:place], NO_NOTES
                 payload = payloads.popleft() if has_payload else b""
             elif number >= 0:
@@ -128,7 +126,7 @@ def read_entries(blocks: Iterable[TraceBlock]) -> Generator[Entry, None, None]:
                     notes = Notes()
                 _add_note(notes, code, ints[first:place], payloads)
     if kind is Kind.END:
-        yield make((number, kind, numbers, payload, notes))
+        yield Entry(number, kind, numbers, payload, notes)
 
 
 def _add_note(notes: Notes, code: int, numbers: Sequence[int], payloads: deque[bytes]) -> None:

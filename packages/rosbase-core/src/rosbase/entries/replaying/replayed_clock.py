@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from rosbase.clock import SystemClock
 from rosbase.entries.replaying.virtual_clock import VirtualClock
-from rosbase.entries.script import NO_NOTES, Entry
+from rosbase.entries.script import NO_NOTES, Entry, Notes
 from rosbase.entries.turn import Turn
 from rosbase.messages import Time
 
 if TYPE_CHECKING:
-    from rosbase.entries.conductor import Conductor
+    from rosbase.entries.replaying.player import Player
 
 __all__ = ["ReplayedClock"]
 
@@ -26,7 +26,7 @@ class ReplayedClock:
     On other threads it is the clock of the machine, which stands at the time of the entry.
     """
 
-    def __init__(self, conductor: "Conductor", machine: VirtualClock, turn: Turn) -> None:
+    def __init__(self, conductor: "Player", machine: VirtualClock, turn: Turn) -> None:
         """Start with no recorded readings.
 
         Args:
@@ -39,31 +39,35 @@ class ReplayedClock:
         self.machine = machine
         """The clock of the machine in this replay."""
         self._turn = turn
-        # Readings that are taken out one by one.
+        # The last entry that has read it, and its readings, which are taken out one by one.
+        self._entry: Entry | None = None
         self._notes = NO_NOTES
         self._planned = self._more = 0
-        self._sleeps_count = False
-
-    def begin(self, entry: Entry) -> None:
-        """Go on with the readings of an entry."""
-        notes = self._notes = entry.notes
-        self._planned = 0 if notes is NO_NOTES else len(notes.mono) + len(notes.date)
-        self._more = 0
-        # As `move_to`, which would be a call for each entry.
-        machine, t_ns = self.machine, entry.ints[0]
-        if t_ns > machine.t_ns:  # noqa: PLR1730 - `max` takes twice as long
-            machine.t_ns = t_ns
+        self._is_free = False
 
     def begin_free(self) -> None:
         """Forget the recorded readings, and read the clock of the machine from now on."""
+        self._notes_now()
         self._notes = NO_NOTES
-        self._sleeps_count = True
+        self._is_free = True
 
     @property
     def reads(self) -> tuple[int, int]:
         """How often the entry has read the clock so far, and how often it did when recorded."""
-        left = len(self._notes.mono) + len(self._notes.date)
+        notes = self._notes_now()
+        left = len(notes.mono) + len(notes.date)
         return self._planned - left + self._more, self._planned
+
+    def _notes_now(self) -> Notes:
+        """Return the recorded readings of the entry that runs."""
+        entry = self.conductor.entry
+        # Looked at only when the clock is read, because most entries do not read it.
+        if entry is not self._entry and not self._is_free:
+            self._entry = entry
+            notes = self._notes = entry.notes
+            self._planned = 0 if notes is NO_NOTES else len(notes.mono) + len(notes.date)
+            self._more = 0
+        return self._notes
 
     def now(self) -> Time:
         """Return the date as a stamp; zero if ROS cannot carry it."""
@@ -72,30 +76,32 @@ class ReplayedClock:
     def now_ns(self) -> int:
         """Return the date in nanoseconds since the Unix epoch."""
         if self._turn.owner == get_ident():
-            if self._notes.date:
-                return self.machine.date_read(self._notes.date.popleft())
+            notes = self._notes_now()
+            if notes.date:
+                return self.machine.date_read(notes.date.popleft())
             self._more += 1
             self.machine.look()
         return self.machine.now_ns()
 
     def log_now_ns(self) -> int:
         """Return the date for a log record."""
-        if self._notes.log and self._turn.owner == get_ident():
-            return self.machine.date_read(self._notes.log.popleft())
+        if self._turn.owner == get_ident() and (notes := self._notes_now()).log:
+            return self.machine.date_read(notes.log.popleft())
         return self.machine.now_ns()
 
     def monotonic_ns(self) -> int:
         """Return the monotonic time."""
         if self._turn.owner == get_ident():
-            if self._notes.mono:
-                return self.machine.mono_read(self._notes.mono.popleft())
+            notes = self._notes_now()
+            if notes.mono:
+                return self.machine.mono_read(notes.mono.popleft())
             self._more += 1
         return self.machine.monotonic_ns()
 
     def suspended_ns(self) -> int:
         """Return for how long the machine had slept."""
-        if self._notes.slept and self._turn.owner == get_ident():
-            return self.machine.slept_read(self._notes.slept.popleft())
+        if self._turn.owner == get_ident() and (notes := self._notes_now()).slept:
+            return self.machine.slept_read(notes.slept.popleft())
         return self.machine.suspended_ns()
 
     def sleep(self, seconds: float) -> None:
@@ -105,7 +111,7 @@ class ReplayedClock:
         """
         if not self._turn.is_mine:
             _MACHINE.sleep(min(seconds, _MOMENT_S))
-        elif self._sleeps_count:
+        elif self._is_free:
             self.machine.sleep(seconds)
 
     def waiter(self, wakeup: threading.Lock) -> Callable[[float], bool]:

@@ -199,26 +199,25 @@ class ReplayedExecutor(Executor):
 
     def _follow(self, expected: frozenset[int]) -> Entry | None:
         """Run the next entry, and return it; None if the program no longer follows the script."""
-        player, coming = self.player, self.player.next
-        if coming is None or coming.kind not in expected:
+        player = self.player
+        coming = player.next
+        if coming is None or (kind := coming.kind) not in expected:
             player.differ("the program waits for calls and messages")
             return None
-        kind = coming.kind
         if (kind is _CALL and not self.ready) or (kind is _URGENT and not self._urgent):
             player.differ("no call is left")
             return None
-        entry = player.take()
-        if entry is None:
+        if player.take() is None:
             return None
         if kind is _CALL:
             self.ready.popleft()()
-        elif kind is _TIMER and entry.ints[1] in self._timers_by_number:
-            self._call_timer(self._timers_by_number[entry.ints[1]], entry)
+        elif kind is _TIMER and (timer := self._timers_by_number.get(coming.ints[1])) is not None:
+            self._call_timer(timer, coming)
         elif kind is _URGENT:
             self._urgent.popleft()()
         elif kind is not _RETURN:
-            player.play(entry)
-        return entry
+            player.play(coming)
+        return coming
 
     def _operate(self, timer: ReplayedTimer, entry: Entry) -> None:
         """Do what another thread did with a timer."""
