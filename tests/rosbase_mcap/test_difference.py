@@ -12,6 +12,7 @@ from rosbase_mcap.outputs import Digest, Output
 from rosbase_mcap.records import Schema
 from rosbase_mcap.replaying.difference import Comparison, Difference, Flow, clock_text
 from rosbase_mcap.replaying.fields import changes
+from support.recorded_outputs import recorded_outputs
 
 S = 1_000_000_000
 
@@ -38,7 +39,8 @@ RUN = [output(1, "/a", 1.0), output(1, "/b", 2.0), output(3, "/a", 3.0), output(
 
 
 def comparison(recorded: list[Output]) -> Comparison:
-    found = Comparison(iter(recorded), SCHEMAS, 100 * S, context=lambda: ("before: tick 7",))
+    outputs = recorded_outputs(recorded, SCHEMAS)
+    found = Comparison(outputs, 100 * S, context=lambda: ("before: tick 7",))
     for topic, schema in SCHEMAS.items():
         found.declare(topic, schema)
     return found
@@ -209,7 +211,7 @@ def test_a_line_of_the_log_may_differ_in_place_addresses_and_traceback(
     schemas = schema_of(Log), schema_of(Log)
     assert changes(recorded, replayed, *schemas).fields == ()
     runs = [[Output(1, "/rosout", S, data)] for data in (recorded, replayed)]
-    found = Comparison(iter(runs[0]), {"/rosout": schemas[0]}, 0)
+    found = Comparison(recorded_outputs(runs[0], {"/rosout": schemas[0]}), 0)
     found.declare("/rosout", schemas[0])
     found.hear(*runs[1][0])
     assert found.finish() is None

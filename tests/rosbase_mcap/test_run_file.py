@@ -139,8 +139,9 @@ def test_a_run_is_read_with_its_trace_and_what_came_from_within(tmp_path: Path) 
     assert found is not None
     assert (found.run, found.end, found.paths, found.lost) == (RUN, RUN_END, [path], 0)
     assert list(found.blocks()) == trace()
-    assert list(found.outputs()) == [output(number) for number in ALL]
-    assert found.schemas == {"/a": SCHEMA}
+    outputs = found.outputs()
+    assert list(outputs) == [output(number) for number in ALL]
+    assert outputs.schemas == {"/a": SCHEMA}
 
 
 def test_messages_that_were_dropped_are_counted(tmp_path: Path) -> None:

@@ -14,11 +14,18 @@ from rosbase_mcap.scanning import records_in
 if TYPE_CHECKING:
     from rosbase_mcap.backlog import Item
 
-__all__ = ["ChunkBuilder", "MessageTimes", "contents_of", "message_index", "message_times"]
+__all__ = [
+    "MESSAGE_HEAD",
+    "ChunkBuilder",
+    "MessageTimes",
+    "contents_of",
+    "message_index",
+    "message_times",
+]
 
-# A record of a message up to its data: kind, length, channel, sequence, log and publish time.
-_HEAD = struct.Struct("<BQHIQQ")
-_HEAD_BYTES = _HEAD.size - PREFIX.size
+MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+"""Record of a message up to its data: kind, length, channel, sequence, log and publish time."""
+_HEAD_BYTES = MESSAGE_HEAD.size - PREFIX.size
 _MESSAGE = struct.Struct("<HIQ")
 # In Python 3.11, to find a member takes 0.2 us.
 _KIND_OF_MESSAGE = int(Kind.MESSAGE)
@@ -42,7 +49,8 @@ class ChunkBuilder:
 
     def add_all(self, items: "Iterable[Item]") -> None:
         """Add messages, as `add` does, in one call: at high rates, calls are what costs."""
-        append, times, pack, size = self._parts.append, self._times, _HEAD.pack, self.size_bytes
+        append, pack = self._parts.append, MESSAGE_HEAD.pack
+        times, size = self._times, self.size_bytes
         for channel, sequence, log_ns, publish_ns, data in items:
             length = _HEAD_BYTES + len(data)
             append(pack(_KIND_OF_MESSAGE, length, channel, sequence, log_ns, publish_ns))
@@ -65,18 +73,18 @@ def contents_of(records: bytes | memoryview) -> list[Message | tuple[int, memory
 
     What is cut off at the end is left out.
     """
-    data, unpack, kind_of_message = bytes(records), _HEAD.unpack_from, _KIND_OF_MESSAGE
+    data, unpack, kind_of_message = bytes(records), MESSAGE_HEAD.unpack_from, _KIND_OF_MESSAGE
     # In C, as the class itself would do it in Python.
     make = partial(tuple.__new__, Message)
     at, end = 0, len(data)
     found: list[Message | tuple[int, memoryview]] = []
     while at < end:
         # Usually, each is a message: nothing else is done for it than must be.
-        if at + _HEAD.size <= end:
+        if at + MESSAGE_HEAD.size <= end:
             kind, length, channel, sequence, log_ns, publish_ns = unpack(data, at)
             after = at + PREFIX.size + length
             if kind == kind_of_message and length >= _HEAD_BYTES and after <= end:
-                content = data[at + _HEAD.size : after]
+                content = data[at + MESSAGE_HEAD.size : after]
                 found.append(make((channel, sequence, log_ns, publish_ns, content)))
                 at = after
                 continue

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from itertools import takewhile
 from typing import Any, BinaryIO, TypeAlias
 
 from attrs import frozen
@@ -33,7 +34,7 @@ __all__ = [
     "Content",
     "Entry",
     "Selection",
-    "batches",
+    "chunk_records",
     "contents",
     "messages",
     "read_content",
@@ -49,6 +50,7 @@ _READERS: dict[int, Callable[[bytes | memoryview], Content]] = {
     Kind.ATTACHMENT: Attachment.read,
     Kind.METADATA: Metadata.read,
 }
+_OF_TOPICS = (Kind.SCHEMA, Kind.CHANNEL, Kind.MESSAGE)
 
 
 @frozen
@@ -86,27 +88,27 @@ def contents(stream: BinaryIO) -> Iterator[Content]:
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.
     """
-    for several in batches(stream):
-        for content in several:
+    for found in _before_the_end(stream):
+        for content in _opened(found):
             if type(content) is Message:
                 yield content
             elif (one := read_content(*content)) is not None:
                 yield one
 
 
-def batches(stream: BinaryIO) -> Iterator[Sequence[Any]]:
-    """Yield the contents of each chunk, or of a record that is in none; see `contents_of`.
+def chunk_records(stream: BinaryIO) -> Iterator[bytes]:
+    """Yield the records of each chunk, and of the topics and messages that are in none, as bytes.
 
-    Use it where one more call for each message would take too long. `read_content` reads what is no
-    message.
+    For whoever compares messages without reading them. Chunks that are damaged are left out.
 
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.
     """
-    for found in records_of(stream):
-        if found.kind in (Kind.DATA_END, Kind.FOOTER):
-            return
-        yield _opened(found)
+    for found in _before_the_end(stream):
+        if found.kind == Kind.CHUNK:
+            yield bytes(_unpacked(found))
+        elif found.kind in _OF_TOPICS and found.is_whole:
+            yield PREFIX.pack(found.kind, len(found.content)) + found.content
 
 
 def read_content(kind: int, content: bytes | memoryview) -> Content | None:
@@ -157,17 +159,27 @@ def read_summary(stream: BinaryIO) -> Summary | None:
         return None
 
 
+def _before_the_end(stream: BinaryIO) -> Iterator[Found]:
+    """Yield the records of a file up to its summary."""
+    return takewhile(lambda one: one.kind not in (Kind.DATA_END, Kind.FOOTER), records_of(stream))
+
+
 def _opened(found: Found) -> Sequence[Any]:
     """Return a record, or the records in it if it is a chunk; see `contents_of`."""
     if found.kind != Kind.CHUNK:
         return [(found.kind, found.content)] if found.is_whole else []
+    return contents_of(_unpacked(found))
+
+
+def _unpacked(found: Found) -> bytes | memoryview:
+    """Return the records of a chunk; none if it is damaged."""
     try:
         chunk = Chunk.read(found.content, is_cut=not found.is_whole)
         if found.is_whole:
-            return contents_of(unpacked(chunk))
+            return unpacked(chunk)
     except McapError:
-        return []
-    return contents_of(chunk.data) if not chunk.compression else []
+        return b""
+    return chunk.data if not chunk.compression else b""
 
 
 def _summary(data: bytes) -> Summary | None:

@@ -6,7 +6,7 @@ many messages after the start.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from enum import Enum
 
 from attrs import frozen
@@ -14,6 +14,7 @@ from attrs import frozen
 from rosbase_mcap.outputs import MASK, Output
 from rosbase_mcap.records import Schema
 from rosbase_mcap.replaying.fields import Changes, changes
+from rosbase_mcap.replaying.recorded_outputs import RecordedOutputs
 
 __all__ = ["Comparison", "Difference", "Flow", "Kind", "clock_text"]
 
@@ -109,8 +110,7 @@ class Comparison:
 
     def __init__(
         self,
-        recorded: Iterator[Output],
-        old: Mapping[str, Schema],
+        recorded: RecordedOutputs,
         start_ns: int,
         *,
         context: Callable[[], tuple[str, ...]] = lambda: (),
@@ -119,11 +119,10 @@ class Comparison:
 
         Args:
             recorded: What was published in the recording, in its order.
-            old: Schema of each topic in the recording. It may grow while `recorded` is read.
             start_ns: Start of the recording, in nanoseconds since 1970.
             context: Returns lines about the entry that the replay is in.
         """
-        self._recorded, self._old, self._start_ns = recorded, old, start_ns
+        self._recorded, self._start_ns = recorded, start_ns
         self._context = context
         self._new: dict[str, Schema] = {}
         self._kept: dict[str, deque[Output]] = {}
@@ -151,15 +150,10 @@ class Comparison:
         """Compare the next message of the replay, given as the values of an `Output`."""
         if self.difference is not None:
             return
-        one = next(self._recorded, None) if self._flow is None else self._next_of(topic)
-        # The usual case, with as few steps as can be.
-        if (
-            one is not None
-            and one.data == data
-            and ((one.number == number and one.topic == topic) or self._flow is not None)
-        ):
+        if self._flow is None and self._recorded.repeats(number, topic, data):
             self.count += 1
             return
+        one = next(self._recorded, None) if self._flow is None else self._next_of(topic)
         output = Output(number, topic, log_ns, data)
         if one is None:
             self._differ(Kind.NEW, output)
@@ -225,7 +219,7 @@ class Comparison:
             self._differ(Kind.NEW, output)
 
     def _changed(self, one: Output, output: Output) -> None:
-        schemas = self._old.get(one.topic), self._new.get(output.topic)
+        schemas = self._recorded.schemas.get(one.topic), self._new.get(output.topic)
         found = changes(one.data, output.data, *schemas)
         # Of a line of the log, what a replay must repeat may be the same.
         if found.fields:

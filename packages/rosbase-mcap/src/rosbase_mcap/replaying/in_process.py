@@ -40,8 +40,7 @@ class Replay:
         outcome = session.outcome
         self._outputs, self._schemas = outputs, session.schemas
         self._start_ns = session.start_ns
-        recorded = session.run.schemas if session.run is not None else {}
-        known = {*session.schemas, *recorded}
+        known = {*session.schemas, *session.recorded_topics}
         self._known = sorted(known if kept is None else known & set(kept))
         self.difference = difference
         """Where the program begins to differ from the recording, as lines for people; empty if it

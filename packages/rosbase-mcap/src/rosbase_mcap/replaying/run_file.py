@@ -1,23 +1,20 @@
 """The files of a recorded run: its trace, and what it has published."""
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from functools import partial
-from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
 from attrs import evolve, frozen
 
 from rosbase.entries.trace import TraceBlock
-from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.commands.opened import damage_text, opened
 from rosbase_mcap.errors import McapError
-from rosbase_mcap.outputs import Output
-from rosbase_mcap.reading import batches, contents, read_content, read_summary
+from rosbase_mcap.reading import chunk_records, contents, read_summary
 from rosbase_mcap.recorder import LOSSES
-from rosbase_mcap.records import PREFIX, Attachment, Channel, Message, Metadata, Schema
+from rosbase_mcap.records import PREFIX, Attachment, Channel, Metadata, Schema
 from rosbase_mcap.recovery import is_complete
+from rosbase_mcap.replaying.recorded_outputs import RecordedOutputs
 from rosbase_mcap.splitting import part_path
 from rosbase_mcap.traces import (
     BROKEN,
@@ -53,8 +50,6 @@ class RunFile:
         """Why the end is missing, in one line; empty if it is there."""
         self.lost = lost
         """How many messages are missing, because the disk was too slow or full."""
-        self.schemas: dict[str, Schema] = {}
-        """Schema of each topic that `outputs` has come to."""
 
     def blocks(self) -> Iterator[TraceBlock]:
         """Yield the blocks of the trace, up to the first that is missing or damaged."""
@@ -71,32 +66,9 @@ class RunFile:
                 if text := damage_text(stream):
                     raise McapError(f"{path} cannot be compared: {text}")
 
-    def outputs(self) -> Generator[Output, None, None]:
-        """Yield what the program has published, in its order."""
-        for path in self.paths:
-            with opened(path) as stream:
-                yield from self._outputs(stream)
-
-    def _outputs(self, stream: BinaryIO) -> Iterator[Output]:
-        schemas: dict[int, Schema] = {}
-        topics: dict[int, str] = {}
-        # In C, as the class itself would do it in Python.
-        make = partial(tuple.__new__, Output)
-        for one in chain.from_iterable(batches(stream)):
-            if type(one) is Message:
-                number, sequence, log_ns, _, data = one
-                topic = topics.get(number)
-                if topic is not None:
-                    yield make((sequence, topic, log_ns, data))
-                continue
-            content = read_content(*one)
-            if type(content) is Schema:
-                schemas[content.id] = content
-            elif type(content) is Channel and content.metadata.get(ORIGIN) != OUTSIDE:
-                topics[content.id] = content.topic
-                schema = schemas.get(content.schema_id)
-                if schema is not None:
-                    self.schemas.setdefault(content.topic, schema)
+    def outputs(self) -> RecordedOutputs:
+        """Return what the program has published, in its order."""
+        return RecordedOutputs(map(_chunks, self.paths))
 
     def _attachments(self) -> Iterator[Attachment]:
         for path in self.paths:
@@ -201,6 +173,11 @@ def _ending(stream: BinaryIO) -> Iterator[Metadata]:
         if index.name in (END, LOSSES, BROKEN):
             stream.seek(index.offset + PREFIX.size)
             yield Metadata.read(stream.read(index.length - PREFIX.size))
+
+
+def _chunks(path: Path) -> Iterator[bytes]:
+    with opened(path) as stream:
+        yield from chunk_records(stream)
 
 
 def _traces(stream: BinaryIO) -> Iterator[Attachment]:

@@ -1,6 +1,6 @@
 """One replay in this process: from a file to what the program has published."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from itertools import chain, takewhile
 from typing import Any, TypeAlias
@@ -23,6 +23,7 @@ from rosbase_mcap.replaying.late_pace import LatePace
 from rosbase_mcap.replaying.listener import Listener
 from rosbase_mcap.replaying.options import ReplayOptions, check_options
 from rosbase_mcap.replaying.outcome import Outcome
+from rosbase_mcap.replaying.recorded_outputs import RecordedOutputs
 from rosbase_mcap.replaying.run_file import RunFile, open_run
 from rosbase_mcap.replaying.topic_feed import TopicFeed
 
@@ -61,6 +62,7 @@ class Session:
         """Schema of each topic of the program."""
         self._options, self._hear = options, hear
         self._digest, self._messages = Digest(), 0
+        self._recorded: RecordedOutputs | None = None
         self._comparison: Comparison | None = None
         self._player: Player | None = None
         self._outcome: Outcome | None = None
@@ -87,6 +89,11 @@ class Session:
         if self.run is None or self._options.topics is not None:
             return None
         return self.run.run.facts.more
+
+    @property
+    def recorded_topics(self) -> Collection[str]:
+        """Full names of the topics of the recording that the replay has come to."""
+        return self._recorded.schemas if self._recorded is not None else ()
 
     @property
     def start_ns(self) -> int:
@@ -123,7 +130,7 @@ class Session:
     def _of_all_inputs(self, run: RunFile, stack: ExitStack) -> _Make:
         start_ns = run.run.facts.start_date_ns
         # Generators that are not closed keep files open.
-        outputs = stack.enter_context(closing(run.outputs()))
+        outputs = self._recorded = stack.enter_context(closing(run.outputs()))
         whole = stack.enter_context(closing(read_entries(run.blocks())))
         entries = self._script(whole)
         first = next(entries, None)
@@ -132,7 +139,7 @@ class Session:
             why = killed if run.end is None else "its first entries are damaged"
             raise ConfigurationError(f"{self._options.path} has no entry: {why}")
         script = chain([first], entries)
-        self._comparison = Comparison(outputs, run.schemas, start_ns, context=self._context)
+        self._comparison = Comparison(outputs, start_ns, context=self._context)
         listener = Listener(run.run.topics, self._declare, self._take)
 
         def make(clock: Clock) -> Player:

@@ -1,0 +1,37 @@
+"""Outputs of a run that nobody has recorded, as the bytes of its files."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from rosbase_mcap.channel_table import CDR, ORIGIN, OUTSIDE
+from rosbase_mcap.chunks import ChunkBuilder
+from rosbase_mcap.outputs import Output
+from rosbase_mcap.records import Channel, Kind, Schema, record
+from rosbase_mcap.replaying.recorded_outputs import RecordedOutputs
+
+__all__ = ["chunk", "declarations", "recorded_outputs"]
+
+
+def recorded_outputs(outputs: Iterable[Output], schemas: Mapping[str, Schema]) -> RecordedOutputs:
+    """Outputs of one file with one chunk."""
+    topics = list(schemas)
+    return RecordedOutputs([[declarations(schemas), chunk(outputs, topics)]])
+
+
+def declarations(schemas: Mapping[str, Schema], outside: Sequence[str] = ()) -> bytes:
+    """The schemas and the channels of topics, by their places; those from outside follow."""
+    found = b""
+    for number, (topic, schema) in enumerate(schemas.items()):
+        channel = Channel(number, schema.id, topic, CDR)
+        found += record(Kind.SCHEMA, schema.content()) + record(Kind.CHANNEL, channel.content())
+    for number, topic in enumerate(outside, len(schemas)):
+        channel = Channel(number, 0, topic, CDR, {ORIGIN: OUTSIDE})
+        found += record(Kind.CHANNEL, channel.content())
+    return found
+
+
+def chunk(outputs: Iterable[Output], topics: Sequence[str]) -> bytes:
+    """The records of messages, whose channels are the places of their topics."""
+    builder = ChunkBuilder()
+    for one in outputs:
+        builder.add(topics.index(one.topic), one.number, one.log_ns, one.log_ns, one.data)
+    return bytes(builder.take("")[0].data)
