@@ -96,11 +96,13 @@ def print_result(path: Path, count: int) -> bool:
     starts = [replay(path, "--to", "0") for _ in range(3)]
     start_s = statistics.median(one.took_s for one in starts)
     start_cpu_s = statistics.median(one.cpu_s for one in starts)
+    loops = [loop_s()]
     alone = replay(path)
     started_s = time.monotonic()
     with ThreadPoolExecutor(AT_ONCE) as pool:
         replays = list(pool.map(lambda _: replay(path), range(count)))
     took_s = time.monotonic() - started_s
+    loops.append(loop_s())
     cpu_s = statistics.median(one.cpu_s for one in replays) - start_cpu_s
     together_s = took_s - start_s * count / AT_ONCE
     print(f"\nquadruped and IMU at {RATE_HZ} Hz, {length_s:.0f} s\n{'':20}{'times real time':>18}")
@@ -115,7 +117,17 @@ def print_result(path: Path, count: int) -> bool:
         print(f"{name:20}{times:18.0f}")
     print(f"\nCPU {cpu_s:.2f} s, {cpu_s / length_s / RATE_HZ * 1e6:.0f} us a tick; ", end="")
     print(f"start {start_cpu_s:.2f} s")
+    print(f"a loop of two million additions: {loops[0]:.2f} s before, {loops[1]:.2f} s after")
     return print_verdict([alone, *replays])
+
+
+def loop_s() -> float:
+    """What a loop of plain Python takes, which tells a slow machine from a slow replay."""
+    started_s = time.perf_counter()
+    total = 0
+    for number in range(2_000_000):
+        total += number * number % 7
+    return time.perf_counter() - started_s
 
 
 def print_verdict(replays: Sequence[Replay]) -> bool:
