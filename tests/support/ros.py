@@ -1,10 +1,12 @@
 """Real rclpy for tests: a domain of their own, executors on threads, a node that is served."""
 
+import fcntl
 import os
 import random
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
@@ -37,7 +39,7 @@ def isolate(log_dir: Path) -> None:
     environment only once.
     """
     os.environ |= {
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, 100)),
+        "ROS_DOMAIN_ID": str(own_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         # The segments of shared memory outlive processes that are killed.
         "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
@@ -45,6 +47,31 @@ def isolate(log_dir: Path) -> None:
         # A field of the wrong type is published as garbage without this.
         "ROS_PYTHON_CHECK_FIELDS": "1",
     }
+
+
+def own_domain() -> int:
+    """A random domain that no other test of this machine has; the one behind it is free, too.
+
+    It belongs to this process until its end.
+    """
+    numbers = list(range(2, 100, 2))
+    random.SystemRandom().shuffle(numbers)
+    for number in numbers:
+        path = Path(tempfile.gettempdir(), f"rosbase-tests-domain-{number}")
+        with suppress(OSError):
+            if _is_locked(os.open(path, os.O_CREAT | os.O_RDWR)):
+                return number
+    raise RuntimeError("other tests have all domains of ROS")
+
+
+def _is_locked(file: int) -> bool:
+    """Locks a file for as long as this process lives; returns False if another one has it."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(file)
+        return False
+    return True
 
 
 @contextmanager
