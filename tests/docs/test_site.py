@@ -41,6 +41,7 @@ INTERNAL = {
         "roles.program",
         "roles.recording",
         "roles.registration",
+        "roles.set_by_constructor",
         "roles.shutdown",
         "roles.transition_entrance",
         "roles.transitions",
