@@ -131,6 +131,7 @@ def try_with(kind, limit):
 """
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("first", range(4))
 def test_a_limit_of_descriptors_wherever_it_strikes_leaves_nothing(
     tmp_path: Path, first: int
@@ -183,6 +184,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.once
 def test_a_limit_of_processes_wherever_it_strikes_leaves_nothing(tmp_path: Path) -> None:
     with running(tmp_path, SCARCE + AS_A_USER) as program:
         status, out, err = program.end()

@@ -18,6 +18,7 @@ from support.program import running
 from support.waiting import wait_until
 
 
+@pytest.mark.once
 @pytest.mark.timeout(180)
 def test_an_hour_at_200_hz_takes_seconds_and_leaves_the_same_trace_twice() -> None:
     # Side by side, and with different hash seeds: neither may matter.
