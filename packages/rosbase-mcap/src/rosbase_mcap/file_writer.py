@@ -15,6 +15,7 @@ from rosbase_mcap.chunks import ChunkBuilder, MessageTimes, message_index
 from rosbase_mcap.compression import compressed
 from rosbase_mcap.records import (
     MAGIC,
+    PREFIX,
     Attachment,
     AttachmentIndex,
     Channel,
@@ -112,8 +113,10 @@ class FileWriter:
     def add_chunk(self, chunk: Chunk, times: MessageTimes) -> None:
         """Write a chunk as it is, with the indexes of its messages."""
         self._before.append((self.size_bytes, self.summary.snapshot()))
-        whole = record(Kind.CHUNK, chunk.content())
-        at = self.size_bytes + len(whole)
+        # The data is long: it is copied once, for all to go out in one call.
+        head = chunk.head()
+        length = PREFIX.size + len(head) + len(chunk.data)
+        at = self.size_bytes + length
         indexes, offsets = b"", {}
         for channel, ones in times.items():
             offsets[channel] = at + len(indexes)
@@ -122,7 +125,7 @@ class FileWriter:
             chunk.start_ns,
             chunk.end_ns,
             self.size_bytes,
-            len(whole),
+            length,
             offsets,
             len(indexes),
             chunk.compression,
@@ -130,7 +133,8 @@ class FileWriter:
             chunk.size_bytes,
         )
         try:
-            self._put(whole + indexes)
+            prefix = PREFIX.pack(Kind.CHUNK, length - PREFIX.size)
+            self._put(b"".join((prefix, head, chunk.data, indexes)))
         except OSError:
             self._before.pop()
             raise

@@ -1,7 +1,6 @@
 """The entries of a run on their way into its recording."""
 
 from collections.abc import Iterable
-from threading import get_ident
 from typing import Any
 from uuid import uuid4
 
@@ -24,8 +23,8 @@ __all__ = ["RecordedRun"]
 class RecordedRun:
     """Takes the entries of a program; it implements `RecordingSink`.
 
-    `begin` and `close` are called by the program, `number` by each thread that publishes, and all
-    others by the thread that writes.
+    `begin` and `close` are called by the program. `turn` and `trace` are read by each thread that
+    publishes, and all else is used by the thread that writes.
     """
 
     def __init__(self, topics: Iterable[str]) -> None:
@@ -37,17 +36,20 @@ class RecordedRun:
         self._topics = frozenset(f"/{topic.lstrip('/')}" for topic in topics)
         self._id = uuid4().hex
         self._conductor: Conductor | None = None
-        # Nobody has it before there is a program.
-        self._turn = Turn()
-        self._trace = Trace()
+        self.turn = Turn()
+        """The right to run the program. Nobody has it before there is a program."""
+        self.trace = Trace()
+        """Where the program notes its entries; its number is that of the entry that runs."""
         self._facts = RunFacts(0, 0)
         self._end: EndFacts | None = None
         self._digest = Digest()
+        # Empty for channels whose messages came from outside.
+        self._topics_by_channel: dict[int, str] = {}
         self._blocks = 0
 
     def begin(self, backend: Any, conductor: Conductor, trace: Trace, facts: RunFacts) -> None:
         """Take the entries of a program from now on."""
-        self._conductor, self._turn, self._trace = conductor, conductor.turn, trace
+        self._conductor, self.turn, self.trace = conductor, conductor.turn, trace
         self._facts = evolve(facts, more={**surroundings(), **facts.more})
 
     def close(self, end: EndFacts) -> None:
@@ -64,14 +66,9 @@ class RecordedRun:
         """Whether there is a program whose entries are recorded."""
         return self._conductor is not None
 
-    @property
-    def number(self) -> int:
-        """Number of the entry that the calling thread runs; -1 outside of the program."""
-        return self._trace.number if self._turn.owner == get_ident() else -1
-
     def take(self) -> Attachment | None:
         """Return the entries since the last call; None if there are none."""
-        block = self._trace.take()
+        block = self.trace.take()
         if not block.ints:
             return None
         self._blocks += 1
@@ -79,10 +76,14 @@ class RecordedRun:
 
     def count(self, items: Iterable[Item], table: ChannelTable) -> None:
         """Count messages that were written in the digest of the run."""
-        for item in items:
-            channel = table.channel(item[0])
-            if ORIGIN not in channel.metadata:
-                self._digest.add(item[1], channel.topic, item[4])
+        topics, add = self._topics_by_channel, self._digest.add
+        for number, sequence, _, _, data in items:
+            topic = topics.get(number)
+            if topic is None:
+                channel = table.channel(number)
+                topic = topics[number] = "" if ORIGIN in channel.metadata else channel.topic
+            if topic:
+                add(sequence, topic, data)
 
     def head(self, part: int) -> Metadata:
         """Return what is known of the run, for the start of the file of that number."""
@@ -90,6 +91,6 @@ class RecordedRun:
 
     def end(self) -> Metadata:
         """Return what is known of its end, for the end of the last file."""
-        number = self._trace.number + 1
+        number = self.trace.number + 1
         facts = self._end or EndFacts(number, "", ("the recording has ended before the program",))
         return end_metadata(RunEnd(facts, self._digest.hexdigest))

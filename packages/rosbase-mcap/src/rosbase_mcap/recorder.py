@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from itertools import count
+from threading import get_ident
 from typing import Protocol
 
 from rosbase import RosbaseLogger, SystemClock, background_thread
@@ -131,9 +132,8 @@ class Recorder:
                 log_ns, publish_ns = max(log_ns, 0), max(publish_ns, 0)
             if run is None:
                 return add((number, sequence() & _MASK, log_ns, publish_ns, data))
-            entry = run.number
-            if entry >= 0:
-                return add((number, entry & _MASK, log_ns, publish_ns, data))
+            if run.turn.owner == get_ident():
+                return add((number, run.trace.number & _MASK, log_ns, publish_ns, data))
             if outside is None:
                 own = {**metadata, ORIGIN: OUTSIDE}
                 outside = self._table.add(topic, type_name, schema, own)

@@ -186,9 +186,13 @@ class Chunk:
 
     def content(self) -> bytes:
         """Return the content of the record."""
+        return b"".join((self.head(), self.data))
+
+    def head(self) -> bytes:
+        """Return the content of the record up to its data."""
         numbers = _TIMES.pack(self.start_ns, self.end_ns) + _U64.pack(self.size_bytes)
         kind = _U32.pack(self.crc) + text(self.compression)
-        return b"".join((numbers, kind, _U64.pack(len(self.data)), self.data))
+        return numbers + kind + _U64.pack(len(self.data))
 
     @classmethod
     def read(cls, content: bytes | memoryview, *, is_cut: bool = False) -> "Chunk":
