@@ -27,6 +27,16 @@ PICK_PLACE = """
 QUADRUPED = """
     cold_start human_teleop turn navigation recovery turn navigation human_teleop emergency
 """
+PRESSED_BETWEEN_OTHERS = """
+import sys
+sys.path.insert(0, "docs/examples/quadruped")
+from bridge import Bridge
+from rosbase.messages import Joy
+bridge = Bridge()
+for pressed in (0, 1, 0):
+    bridge.on_joy(Joy(axes=(0.0, 0.0), buttons=(0, pressed)))
+print(bridge.is_stopped)
+"""
 STATES = {"pick_place": PICK_PLACE.split(), "quadruped": QUADRUPED.split()}
 
 
@@ -119,3 +129,8 @@ def test_an_example_uses_public_names_of_the_core_only(name: str) -> None:
                 assert not [alias.name for alias in node.names if alias.name.startswith("_")]
             elif isinstance(node, ast.Import):
                 assert [alias.name for alias in node.names] == ["math"]
+
+
+def test_a_stop_of_the_quadruped_counts_though_another_message_follows_before_the_tick() -> None:
+    command = [sys.executable, "-c", PRESSED_BETWEEN_OTHERS]
+    assert subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout == b"True\n"

@@ -7,6 +7,7 @@ from rosbase import BaseNode
 from rosbase.messages import Imu, Joy, PoseStamped, String, Twist, Vector3
 
 PERIOD_S = 0.02
+STOP_BUTTON = 1
 FALLEN_RAD = 0.8
 LEVEL_RAD = 0.1
 STANDING_M = 0.28
@@ -20,7 +21,8 @@ class Bridge(BaseNode):
 
     def __init__(self, manager: Any = None, **kwargs: Any) -> None:
         super().__init__(manager, **kwargs)
-        self.joy = self.latest(Joy, "joy")
+        self.joy: Joy | None = None
+        self.is_stopped = False
         self.imu = self.latest(Imu, "imu")
         self.pose = self.latest(PoseStamped, "pose")
         self.gait = "lie"
@@ -28,20 +30,24 @@ class Bridge(BaseNode):
         self.cmd_vel = self.create_publisher(Twist, "cmd_vel")
         self.gaits = self.create_publisher(String, "gait")
         self.states = self.create_publisher(String, "state")
+        self.create_subscription(Joy, "joy", self.on_joy)
         self.create_timer(PERIOD_S, self.send)
+
+    def on_joy(self, message: Joy) -> None:
+        """Called with every message of a joystick: the stop counts, whatever follows it."""
+        self.joy = message
+        self.is_stopped = self.is_stopped or message.buttons[STOP_BUTTON] == 1
 
     def stick(self) -> Twist:
         """What the operator's stick asks for."""
-        joy = self.joy.value
-        if joy is None:
+        if self.joy is None:
             return Twist()
-        left, forward = joy.axes
+        left, forward = self.joy.axes
         return Twist(Vector3(x=0.8 * forward), Vector3(z=1.5 * left))
 
     def is_pressed(self, button: int) -> bool:
         """Whether the operator holds that button."""
-        joy = self.joy.value
-        return joy is not None and joy.buttons[button] == 1
+        return self.joy is not None and self.joy.buttons[button] == 1
 
     def has_fallen(self) -> bool:
         """Whether the body lies on its side."""

@@ -7,7 +7,7 @@ from planner import Planner
 from rosbase import BaseHandlers
 from rosbase.fsm import ANY, Machine, Transition
 
-AUTONOMOUS_BUTTON, STOP_BUTTON = 0, 1
+AUTONOMOUS_BUTTON = 0
 
 FACING_RAD = 0.15
 ARRIVED_M = 0.15
@@ -72,8 +72,8 @@ class QuadrupedHandlers(BaseHandlers):
     # When: guards only look.
 
     def wants_stop(self) -> bool:
-        """The operator presses the emergency stop."""
-        return self.bridge.is_pressed(STOP_BUTTON)
+        """The operator has pressed the emergency stop."""
+        return self.bridge.is_stopped
 
     def wants_autonomy(self) -> bool:
         """The operator wants the robot to find its way alone."""

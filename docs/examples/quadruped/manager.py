@@ -16,7 +16,7 @@ class QuadrupedManager(BaseManager):
         bridge = self.node(Bridge)
         self.add_handshake_rule("Legs: attitude", lambda: bridge.imu.value is not None)
         self.add_handshake_rule("Legs: pose", lambda: bridge.pose.value is not None)
-        self.add_handshake_rule("Joystick", lambda: bridge.joy.value is not None)
+        self.add_handshake_rule("Joystick", lambda: bridge.joy is not None)
 
     def release_resources(self) -> None:
         """Called when the application ends, however it ends."""
