@@ -1,4 +1,4 @@
-"""Outputs of a run that nobody has recorded, as the bytes of its files."""
+"""Outputs of a made-up run, as the bytes of a recording."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -18,7 +18,7 @@ def recorded_outputs(outputs: Iterable[Output], schemas: Mapping[str, Schema]) -
 
 
 def declarations(schemas: Mapping[str, Schema], outside: Sequence[str] = ()) -> bytes:
-    """The schemas and the channels of topics, by their places; those from outside follow."""
+    """Schema and channel records; a channel's number is the index of its topic."""
     found = b""
     for number, (topic, schema) in enumerate(schemas.items()):
         channel = Channel(number, schema.id, topic, CDR)
@@ -30,7 +30,7 @@ def declarations(schemas: Mapping[str, Schema], outside: Sequence[str] = ()) -> 
 
 
 def chunk(outputs: Iterable[Output], topics: Sequence[str]) -> bytes:
-    """The records of messages, whose channels are the places of their topics."""
+    """Message records; the channel of each is the index of its topic."""
     builder = ChunkBuilder()
     for one in outputs:
         builder.add(topics.index(one.topic), one.number, one.log_ns, one.log_ns, one.data)

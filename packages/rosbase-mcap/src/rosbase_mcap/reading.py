@@ -97,9 +97,9 @@ def contents(stream: BinaryIO) -> Iterator[Content]:
 
 
 def chunk_records(stream: BinaryIO) -> Iterator[bytes]:
-    """Yield the records of each chunk, and of the topics and messages that are in none, as bytes.
+    """Yield the records of each chunk as bytes, and each schema, channel or message outside of one.
 
-    For whoever compares messages without reading them. Chunks that are damaged are left out.
+    Use it to compare messages without creating an object for each. Damaged chunks are left out.
 
     Raises:
         NotMcapError: The file does not begin as an MCAP file does.

@@ -47,22 +47,14 @@ class GuardedSubscription(LocalSubscription):
         self._entrance = entrance(super().deliver)
         self._turn = self._entrance.turn
 
-    # Without the lock: whoever hands over a message or takes one out has the turn, and a program's
-    # own subscriptions are never resized. Another thread may close one, but adds nothing.
+    # These need no lock. Only the thread with the turn adds and removes messages, and subscriptions
+    # of a program are never resized. Another thread may close one, but adds nothing.
 
     def deliver(self, message: Any) -> None:
         """Queue a message, from any thread; drop the oldest if the queue is full."""
         if self._turn.owner != get_ident():
             self._entrance.let_in(message, super().deliver)
-            return
-        if self._closed:
-            return
-        queue = self._queue
-        is_full = len(queue) == queue.maxlen
-        if is_full:
-            self._dropped += 1
-        queue.append(message)
-        if not is_full:
+        elif self._put(message):
             self._schedule(self.handle_one)
 
     def handle_one(self) -> None:

@@ -1,4 +1,4 @@
-"""Attributes that a constructor sets, and that say so if they are used before."""
+"""Stand-ins for attributes, which raise a clear error until the constructor sets them."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ class SetByConstructor:
     __slots__ = ("_arguments", "_name")
 
     def __init__(self, arguments: str, name: str = "") -> None:
-        """Explain.
+        """Prepare the explanation.
 
         Args:
             arguments: What the base class's constructor takes.
@@ -33,7 +33,7 @@ class SetByConstructor:
         self._name = name
 
     def __get__(self, built: Any, owner: type) -> Any:
-        """Explain. Python calls it for attributes that an object does not have.
+        """Raise the explanation. Python calls it while the object has no such attribute.
 
         Raises:
             AttributeError: There is no such attribute, or not yet.

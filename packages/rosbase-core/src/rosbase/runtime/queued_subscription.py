@@ -47,16 +47,21 @@ class QueuedSubscription:
     def deliver(self, message: Any) -> None:
         """Queue a message, from any thread; drop the oldest if the queue is full."""
         with self._lock:
-            if self._closed:
-                return
-            queue = self._queue
-            is_full = len(queue) == queue.maxlen
-            if is_full:
-                self._dropped += 1
-            queue.append(message)
-        # One call is under way for each message in the queue, so a full queue needs no more.
-        if not is_full:
+            needs_call = self._put(message)
+        if needs_call:
             self._schedule(self.handle_one)
+
+    def _put(self, message: Any) -> bool:
+        """Queue a message, with the lock held; return whether it needs a call of `handle_one`."""
+        if self._closed:
+            return False
+        queue = self._queue
+        # One call is under way for each message in the queue, so a full queue needs no more.
+        is_full = len(queue) == queue.maxlen
+        if is_full:
+            self._dropped += 1
+        queue.append(message)
+        return not is_full
 
     def handle_one(self) -> None:
         """Call the callback with the oldest message. For the spinning thread."""

@@ -44,7 +44,7 @@ class Run(NamedTuple):
     """
 
     codes: Sequence[str]
-    """Codes of the numbers. One such as `9d` stands for bytes: an array of nine, packed before."""
+    """Codes of the numbers. `9d` is an array of nine doubles, already packed as bytes."""
 
     def layouts(self, order: str = "<") -> "list[struct.Struct]":
         """Return the layouts, by the offset of the begin within eight bytes."""

@@ -26,6 +26,7 @@ __all__ = [
 
 _TYPES = {"f": float, "d": float, "?": bool}
 _PADDING = (b"", b"\0", b"\0\0", b"\0\0\0")
+# Shorter lists have a prepared layout each.
 _FEW = 33
 WIDE_SIZE = 4
 """Bytes of a unit of a wide text."""
@@ -102,7 +103,7 @@ def packer(code: str) -> Callable[[Any], tuple[Any, int]]:
 def _packing_of(code: str) -> Callable[[Sequence[Any]], bytes]:
     if code in "B?":
         return bytes
-    # A layout for each length, because to look one up takes as long as to pack.
+    # Prepared, because struct takes as long to find a layout by its text as to pack.
     few = [struct.Struct(f"<{count}{code}").pack for count in range(_FEW)]
 
     def packed(values: Sequence[Any]) -> bytes:

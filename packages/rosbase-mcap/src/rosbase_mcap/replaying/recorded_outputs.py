@@ -23,7 +23,7 @@ _MESSAGE_BYTE = bytes([_MESSAGE])
 class RecordedOutputs(Iterator[Output]):
     """Yields the outputs of a run, or steps over those that a replay repeats.
 
-    An output that is repeated is compared where it is, as bytes: nothing is made of it.
+    A repeated output is compared in place, as bytes; no object is created for it.
     """
 
     def __init__(self, files: Iterable[Iterable[bytes]]) -> None:
@@ -48,7 +48,8 @@ class RecordedOutputs(Iterator[Output]):
     def repeats(self, number: int, topic: str, data: bytes) -> bool:
         """Step over the next output if it is this one, and return whether it was.
 
-        It may return False for an output that is the same: `next` returns it, to compare it.
+        It may return False for an equal output. Then `next` returns the output, so that the caller
+        can compare it.
         """
         while self._at == len(self._records) and self._open_chunk():
             pass
