@@ -7,6 +7,7 @@ from typing import Any, overload
 from attrs import Attribute, field, frozen
 
 from rosbase.messages import fields as ros
+from rosbase.messages.constructor import usual
 from rosbase.messages.fields import message
 
 __all__ = ["STAMPS_END_NS", "Duration", "Time", "duration_field", "is_stamp", "time_field"]
@@ -51,8 +52,9 @@ def _field_of(kind: Any) -> Any:
     """Return a field that takes the time or duration of rosbase, ROS or rclpy, and has ours."""
     name = kind.__name__
 
+    @usual(kind)
     def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
-        if type(given) is not kind and not isinstance(given, kind):
+        if not isinstance(given, kind):
             nanoseconds = _nanoseconds_of(given, name)
             if nanoseconds is not None:
                 # Whoever has made it could change it.

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Protocol, TypeAlias, TypeVar
 from attrs import Attribute, field
 
 from rosbase.messages.buffers import numbers, protect_buffers
+from rosbase.messages.constructor import put_into_slots, usual
 from rosbase.messages.marks import AtMost, Fixed, Numbers
 from rosbase.messages.widths import Width
 
@@ -115,6 +116,8 @@ def message(name: str) -> Callable[[ClassT], ClassT]:
         protect_buffers(cls)
         # The file that a message of ours is in is nobody's business.
         home, _, file = cls.__module__.rpartition(".")
+        if home.startswith("rosbase.messages") and "__attrs_attrs__" in vars(cls):
+            put_into_slots(cls)
         if home.startswith("rosbase.messages.") and file.startswith("_"):
             cls.__module__ = home
         return cls
@@ -156,6 +159,7 @@ def _has_fields(cls: type) -> bool:
 def fixed(size: int, value: Any = 0.0, *, octets: bool = False) -> Any:
     """Return a field of exactly `size` elements, all `value` by default; see `sequence`."""
 
+    @usual(tuple, size)
     def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
         if type(given) is not tuple:
             given = _keep_as_tuple(instance, attribute.name, given, octets=octets)
@@ -175,6 +179,7 @@ def sequence(*, octets: bool = False) -> Any:
         octets: Whether bytes become one, too.
     """
 
+    @usual(tuple)
     def check(instance: Any, attribute: "Attribute[Any]", given: Any) -> None:
         if type(given) is not tuple:
             _keep_as_tuple(instance, attribute.name, given, octets=octets)
