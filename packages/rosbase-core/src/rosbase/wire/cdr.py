@@ -44,11 +44,16 @@ class Run(NamedTuple):
     """
 
     codes: Sequence[str]
-    """Codes of the numbers. `9d` is an array of nine doubles, already packed as bytes."""
+    """Codes of the numbers. `9d` is an array of nine doubles, already packed as bytes, and `9s` a
+    text of nine bytes."""
 
     def layouts(self, order: str = "<") -> "list[struct.Struct]":
         """Return the layouts, by the offset of the begin within eight bytes."""
         return [struct.Struct(order + self._padded(offset)) for offset in range(_ALIGNMENTS)]
+
+    def whole(self, order: str = "<") -> struct.Struct:
+        """Return the layout of a message that consists of the run, with the four bytes in front."""
+        return struct.Struct(f"{order}{len(HEADER)}s{self._padded(0)}")
 
     def _padded(self, offset: int) -> str:
         parts: list[str] = []
