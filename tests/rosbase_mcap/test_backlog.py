@@ -6,36 +6,81 @@ import threading
 
 import pytest
 
-from rosbase_mcap.backlog import Backlog, Item
+from rosbase_mcap.backlog import Backlog
+from rosbase_mcap.chunks import CHUNK_BYTES, MESSAGE_HEAD
+from support.open_chunks import messages_in
 
 
-def item(number: int, length: int = 100) -> Item:
-    return (0, number, number, number, b"x" * length)
+def add(backlog: Backlog, number: int, length: int = 100) -> bool:
+    """Adds a message, of 131 bytes unless told otherwise."""
+    return backlog.add(0, number, number, number, b"x" * length)
+
+
+def taken(backlog: Backlog) -> list[int]:
+    """Takes all, and returns the numbers."""
+    return [one.sequence for one in messages_in(backlog.take())]
 
 
 def test_messages_are_taken_in_the_order_in_which_they_came() -> None:
-    backlog = Backlog(1 << 20)
-    for number in range(3):
-        assert backlog.add(item(number))
-    assert [one[1] for one in backlog.take()] == [0, 1, 2]
+    backlog = Backlog(1 << 30)
+    # Of all sizes: some are longer than a chunk, and some end one.
+    lengths = [0, 1, CHUNK_BYTES, CHUNK_BYTES // 2, CHUNK_BYTES // 2, 5, 2 * CHUNK_BYTES, 0]
+    for number, length in enumerate(lengths):
+        assert add(backlog, number, length)
+    chunks = backlog.take()
+    found = messages_in(chunks)
+    assert [one.sequence for one in found] == list(range(len(lengths)))
+    assert [len(one.data) for one in found] == lengths
+    assert all(chunk.size_bytes <= CHUNK_BYTES for chunk in chunks if chunk.count > 1)
     assert backlog.take() == []
 
 
+def test_memory_that_is_given_back_is_used_again_for_other_messages() -> None:
+    backlog = Backlog(1 << 30)
+    seen = set()
+    for number in range(10):
+        add(backlog, number, number)
+        (chunk,) = backlog.take()
+        assert [one.sequence for one in messages_in([chunk])] == [number]
+        assert chunk.times == {0: [number, 0]}
+        seen.add(id(chunk))
+        backlog.give_back(chunk)
+    assert len(seen) <= 2
+    for chunk in [*backlog.take(), *backlog.take()]:
+        backlog.give_back(chunk)
+    # A long message is no memory for short ones.
+    add(backlog, 0, 2 * CHUNK_BYTES)
+    (chunk,) = backlog.take()
+    backlog.give_back(chunk)
+    add(backlog, 1)
+    assert taken(backlog) == [1]
+    assert chunk.count == 1
+
+
 def test_a_message_without_room_is_dropped_and_counted() -> None:
-    backlog = Backlog(1000)
-    assert [backlog.add(item(number)) for number in range(5)] == [True, True, True, False, False]
+    backlog = Backlog(3 * 131)
+    assert [add(backlog, number) for number in range(5)] == [True, True, True, False, False]
     assert backlog.dropped == 2
-    assert len(backlog.take()) == 3
+    assert taken(backlog) == [0, 1, 2]
     # There is room again.
-    assert backlog.add(item(5))
+    assert add(backlog, 5)
+
+
+def test_a_short_message_finds_the_room_that_a_long_one_did_not() -> None:
+    backlog = Backlog(1000)
+    assert not add(backlog, 0, 2000)
+    assert add(backlog, 1)
+    assert taken(backlog) == [1]
 
 
 def test_the_writer_is_woken_before_the_queue_is_full_and_not_by_each_message() -> None:
-    backlog = Backlog(1000)
-    backlog.add(item(0))
-    backlog.wait(0.0)
-    assert not backlog.is_wanted
-    backlog.add(item(1))
+    backlog = Backlog(10 * MESSAGE_HEAD.size)
+    for number in range(5):
+        assert add(backlog, number, 0)
+        backlog.wait(0.0)
+        assert not backlog.is_wanted
+    for number in range(5, 9):
+        assert add(backlog, number, 0)
     assert backlog.is_wanted
     backlog.take()
     assert not backlog.is_wanted
@@ -46,16 +91,19 @@ def test_threads_lose_no_message() -> None:
 
     def fill() -> None:
         for number in range(1000):
-            backlog.add(item(number, 1))
+            add(backlog, number, 1)
 
     threads = [threading.Thread(target=fill) for _ in range(4)]
     for thread in threads:
         thread.start()
-    taken = 0
+    found: list[int] = []
     while any(thread.is_alive() for thread in threads):
-        taken += len(backlog.take())
-    taken += len(backlog.take())
-    assert taken == 4000
+        chunks = backlog.take()
+        found += [one.sequence for one in messages_in(chunks)]
+        for chunk in chunks:
+            backlog.give_back(chunk)
+    found += taken(backlog)
+    assert sorted(found) == sorted([*range(1000)] * 4)
 
 
 @pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
@@ -75,8 +123,8 @@ def test_a_forked_child_records_nothing_and_never_waits() -> None:
     if pid == 0:
         # Whoever waits for the lock does so for ever: there is no such thread here.
         signal.alarm(10)
-        os._exit(int(backlog.add(item(0)) or bool(backlog.take())))
+        os._exit(int(add(backlog, 0) or bool(backlog.take())))
     assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
     is_over.set()
     holder.join()
-    assert backlog.add(item(1))
+    assert add(backlog, 1)

@@ -25,7 +25,7 @@ from rosbase.messages import Header, Imu, Time, Vector3
 from rosbase_mcap.bags import BagTopic, open_bag
 from rosbase_mcap.channel_table import ChannelTable
 from rosbase_mcap.errors import McapError
-from rosbase_mcap.file_sink import write_items
+from rosbase_mcap.file_sink import declare
 from rosbase_mcap.file_writer import FileWriter
 from support.bag_reading import LEAVES_OPEN, with_reason
 
@@ -79,12 +79,12 @@ def of_ros_1(folder: Path) -> Path:
 
 
 def of_rosbase(folder: Path) -> Path:
-    pieces, table = list[bytes](), ChannelTable()
+    pieces, table = list[bytes | memoryview](), ChannelTable()
     writer = FileWriter(pieces.append)
     number = table.add("/imu/data", FORM.type_name, FORM.schema, {})
+    declare(writer, table, [number])
     for second in SECONDS:
-        items = [(number, 0, second * S, second * S, FORM.encode(imu(second)))]
-        write_items(writer, table, items)
+        writer.add(number, 0, second * S, second * S, FORM.encode(imu(second)))
     writer.finish()
     path = folder / "run.mcap"
     path.write_bytes(b"".join(pieces))

@@ -14,6 +14,7 @@ from rosbase_mcap.reading import messages
 from rosbase_mcap.records import Kind
 from rosbase_mcap.recovery import count_damaged
 from rosbase_mcap.scanning import records_of
+from support.open_chunks import open_chunk
 
 S = 1_000_000_000
 
@@ -31,8 +32,8 @@ def path(tmp_path: Path) -> Path:
     for second in range(1, 5):
         header = Header(Time(second, 0), "imu_link")
         data = imu.encode(Imu(header, angular_velocity=Vector3(float(second))))
-        sink.add([(numbers[0], second, second * S, second * S, data)])
-        sink.add([(numbers[1], second, second * S, second * S, point.encode(PointStamped(header)))])
+        sink.add(open_chunk(numbers[0], [second * S], data))
+        sink.add(open_chunk(numbers[1], [second * S], point.encode(PointStamped(header))))
         sink.flush()
     sink.close()
     return tmp_path / "run.mcap"
@@ -62,7 +63,8 @@ def test_info_tells_messages_from_outside_apart(
     names = ("/imu", form.type_name, form.schema)
     channels = [table.add(*names, {}), table.add(*names, {ORIGIN: OUTSIDE})]
     sink = FileSink(tmp_path / "run.mcap", table, {})
-    sink.add([(channel, 1, S, S, form.encode(Imu())) for channel in channels])
+    for channel in channels:
+        sink.add(open_chunk(channel, [S], form.encode(Imu())))
     sink.close()
     assert main(["info", str(tmp_path / "run.mcap")]) == 0
     lines = capsys.readouterr().out.splitlines()

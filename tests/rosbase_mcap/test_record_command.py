@@ -87,7 +87,7 @@ def test_a_recording_that_is_killed_is_mended(robots: Robots, tmp_path: Path) ->
     recording.wait()
     data = path.read_bytes()
     assert not is_complete(BytesIO(data))
-    pieces: list[bytes] = []
+    pieces: list[bytes | memoryview] = []
     outcome = mend(BytesIO(data), pieces.append)
     assert outcome.summary.messages > 0
     assert is_complete(BytesIO(b"".join(pieces)))

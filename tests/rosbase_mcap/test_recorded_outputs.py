@@ -103,7 +103,7 @@ def test_what_is_damaged_or_cut_off_is_left_out() -> None:
 
 
 def test_the_records_of_a_file_are_those_of_its_chunks_and_topics() -> None:
-    pieces = list[bytes]()
+    pieces = list[bytes | memoryview]()
     writer = FileWriter(pieces.append)
     writer.declare(Channel(0, 1, "/a", "cdr"), SCHEMA)
     for number in range(3):

@@ -17,7 +17,7 @@ THREE = [[Message(0, number, number, number, b"x" * 30)] * 2 for number in range
 
 
 def mended(data: bytes) -> tuple[bytes, Mended]:
-    pieces: list[bytes] = []
+    pieces: list[bytes | memoryview] = []
     outcome = mend(BytesIO(data), pieces.append)
     return b"".join(pieces), outcome
 

@@ -54,7 +54,7 @@ def replaced(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Made]:
 
 
 def recording(path: Path, *metadata: Metadata) -> Path:
-    pieces = list[bytes]()
+    pieces = list[bytes | memoryview]()
     writer = FileWriter(pieces.append)
     for one in metadata:
         writer.note(one)

@@ -13,7 +13,7 @@ from rosbase.messages import Header, Imu, Time, Vector3
 from rosbase.messages.rcl_interfaces import Log
 from rosbase_mcap import Replay, replay
 from rosbase_mcap.channel_table import LATCHED, ChannelTable
-from rosbase_mcap.file_sink import write_items
+from rosbase_mcap.file_sink import declare
 from rosbase_mcap.file_writer import FileWriter
 from support.bag_reading import with_reason
 
@@ -23,14 +23,15 @@ START = 1_700_000_000 * S
 
 def bag(path: Path, *lines: tuple[str, float, Any], latched: str = "") -> Path:
     """A file of messages, each with its topic and its time in seconds."""
-    pieces, table = list[bytes](), ChannelTable()
+    pieces, table = list[bytes | memoryview](), ChannelTable()
     writer = FileWriter(pieces.append)
     for topic, second, message in lines:
         form = message_format(type(message))
         metadata = {LATCHED: "true"} if topic == latched else {}
         number = table.add(topic, form.type_name, form.schema, metadata)
         stamp_ns = START + int(second * S)
-        write_items(writer, table, [(number, 0, stamp_ns, stamp_ns, form.encode(message))])
+        declare(writer, table, [number])
+        writer.add(number, 0, stamp_ns, stamp_ns, form.encode(message))
     writer.finish()
     path.write_bytes(b"".join(pieces))
     return path

@@ -16,7 +16,7 @@ from rosbase.entries.trace import Trace, TraceBlock
 from rosbase_mcap.channel_table import ORIGIN, OUTSIDE
 from rosbase_mcap.errors import McapError, NotMcapError
 from rosbase_mcap.file_writer import FileWriter
-from rosbase_mcap.outputs import Digest, Output
+from rosbase_mcap.outputs import Output
 from rosbase_mcap.reading import contents
 from rosbase_mcap.records import Attachment, Channel, Message, Metadata, Schema
 from rosbase_mcap.recovery import mend
@@ -36,7 +36,7 @@ from rosbase_mcap.traces import (
 S = 1_000_000_000
 START = 1_700_000_000 * S
 RUN = Run("abc", 0, "start", frozenset(), RunFacts(START, 5, {"argv": ["a", "b c"], "seed": 7}))
-RUN_END = RunEnd(EndFacts(9, "", ("a timer of a thread",)), Digest().hexdigest, {"node": "robot"})
+RUN_END = RunEnd(EndFacts(9, "", ("a timer of a thread",)), {"node": "robot"})
 SCHEMA = Schema(1, "std_msgs/msg/String", "ros2msg", b"string data")
 INSIDE = Channel(0, 1, "/a", "cdr")
 FROM_OUTSIDE = Channel(1, 1, "/b", "cdr", {ORIGIN: OUTSIDE})
@@ -62,7 +62,7 @@ def output(number: int) -> Output:
 
 def run_file(run: Run, numbers: range, end: RunEnd | None = None) -> bytes:
     """A file with a chunk and a block of the trace for each of these numbers."""
-    pieces = list[bytes]()
+    pieces = list[bytes | memoryview]()
     writer = FileWriter(pieces.append)
     writer.note(Metadata("rosbase", {}))
     writer.note(run_metadata(run))
@@ -145,7 +145,7 @@ def test_a_run_is_read_with_its_trace_and_what_came_from_within(tmp_path: Path) 
 
 
 def test_messages_that_were_dropped_are_counted(tmp_path: Path) -> None:
-    pieces = list[bytes]()
+    pieces = list[bytes | memoryview]()
     writer = FileWriter(pieces.append)
     writer.note(run_metadata(RUN))
     writer.note(Metadata("rosbase_dropped", {"messages": "12"}))
@@ -169,7 +169,7 @@ def test_a_file_that_was_cut_off_has_a_prefix_of_the_trace_and_all_outputs_of_it
     # Each block stands behind the messages of its entries.
     numbers = {one.sequence for one in found if isinstance(one, Message)}
     assert numbers >= set(range(len(blocks)))
-    mended = list[bytes]()
+    mended = list[bytes | memoryview]()
     mend(stream, mended.append)
     again = contents(BytesIO(b"".join(mended)))
     assert list(blocks_of(one for one in again if isinstance(one, Attachment))) == blocks
@@ -220,7 +220,7 @@ def test_a_later_part_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_recording_without_a_trace_is_no_run(tmp_path: Path) -> None:
-    pieces = list[bytes]()
+    pieces = list[bytes | memoryview]()
     writer = FileWriter(pieces.append)
     writer.declare(INSIDE, SCHEMA)
     writer.add(0, 0, 1, 1, b"")

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from rosbase_mcap.channel_table import CDR, ORIGIN, OUTSIDE
-from rosbase_mcap.chunks import ChunkBuilder
+from rosbase_mcap.chunks import OpenChunk
 from rosbase_mcap.outputs import Output
 from rosbase_mcap.records import Channel, Kind, Schema, record
 from rosbase_mcap.replaying.recorded_outputs import RecordedOutputs
@@ -31,7 +31,7 @@ def declarations(schemas: Mapping[str, Schema], outside: Sequence[str] = ()) -> 
 
 def chunk(outputs: Iterable[Output], topics: Sequence[str]) -> bytes:
     """Message records; the channel of each is the index of its topic."""
-    builder = ChunkBuilder()
+    found = OpenChunk()
     for one in outputs:
-        builder.add(topics.index(one.topic), one.number, one.log_ns, one.log_ns, one.data)
-    return bytes(builder.take("")[0].data)
+        found.add(topics.index(one.topic), one.number, one.log_ns, one.log_ns, one.data)
+    return bytes(found.records)

@@ -38,7 +38,7 @@ chunks = st.lists(st.one_of(st.lists(_messages, max_size=6), _asides), max_size=
 
 def written(parts: Iterable[list[Message] | Attachment | Metadata], compression: str) -> Written:
     """Returns the file with these parts."""
-    pieces: list[bytes] = []
+    pieces: list[bytes | memoryview] = []
     writer = FileWriter(pieces.append, compression=compression, library="test")
     sent: list[Message] = []
     ends = []

@@ -5,13 +5,14 @@ import threading
 from typing import TypeAlias
 from weakref import WeakSet
 
-__all__ = ["Backlog", "Item"]
+from rosbase_mcap.chunks import CHUNK_BYTES, MESSAGE_HEAD, OpenChunk
 
-Item: TypeAlias = tuple[int, int, int, int, bytes]
-"""Channel, sequence, `log_ns`, `publish_ns` and data of a message."""
+__all__ = ["Backlog"]
 
-# What a message costs in memory beside its data: a tuple, its numbers, the head of `bytes`.
-_OVERHEAD_BYTES = 200
+_Message: TypeAlias = tuple[int, int, int, int, bytes]
+
+# One is filled while the others are written.
+_MOST_SPARE = 4
 
 
 _backlogs: "WeakSet[Backlog]" = WeakSet()
@@ -20,18 +21,24 @@ _backlogs: "WeakSet[Backlog]" = WeakSet()
 class Backlog:
     """A queue with a limit in bytes. Any thread adds, one takes all.
 
-    A message that finds no room is dropped and counted: the program never waits for a disk.
+    Messages wait as the records of chunks, so each leaves the writer little to do. A message that
+    finds no room is dropped and counted: the program never waits for a disk.
     """
 
     def __init__(self, most_bytes: int) -> None:
         """Begin empty.
 
         Args:
-            most_bytes: How much waits at most, with what it costs beside its data.
+            most_bytes: Most bytes of records that wait.
         """
         self._most_bytes = most_bytes
-        self._items: list[Item] = []
-        self._bytes = 0
+        self._chunk_bytes = min(CHUNK_BYTES, most_bytes // 4)
+        self._chunk = OpenChunk(self._chunk_bytes)
+        # Messages that are longer than a chunk wait as they are.
+        self._full: list[OpenChunk | _Message] = []
+        self._full_bytes = 0
+        # New memory costs more than to write to it.
+        self._spare: list[OpenChunk] = []
         # A signal handler may publish while its thread does.
         self._lock = threading.RLock()
         self._is_wanted = threading.Event()
@@ -39,34 +46,31 @@ class Backlog:
         """Number of messages that found no room."""
         _backlogs.add(self)
 
-    def add(self, item: Item) -> bool:
+    def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> bool:
         """Add a message; return False if it found no room."""
-        size = len(item[4]) + _OVERHEAD_BYTES
         with self._lock:
-            waiting = self._bytes + size
-            is_added = waiting <= self._most_bytes
-            if is_added:
-                self._items.append(item)
-                self._bytes = waiting
-            else:
-                self.dropped += 1
-        # Usually the writer comes by itself: to wake it for each message would cost more than
-        # the message.
-        if waiting * 2 > self._most_bytes and not self.is_wanted:
-            self._is_wanted.set()
-        return is_added
+            return self._chunk.add(channel, sequence, log_ns, publish_ns, data) or self._add_behind(
+                (channel, sequence, log_ns, publish_ns, data)
+            )
 
     @property
     def is_wanted(self) -> bool:
         """Whether the writer should come now."""
         return self._is_wanted.is_set()
 
-    def take(self) -> list[Item]:
+    def take(self) -> list[OpenChunk]:
         """Return what waits, in the order in which it came, and forget it."""
         with self._lock:
-            items, self._items, self._bytes = self._items, [], 0
+            self._end_chunk()
+            waiting, self._full, self._full_bytes = self._full, [], 0
             self._is_wanted.clear()
-        return items
+        return [one if isinstance(one, OpenChunk) else _chunk_of(one) for one in waiting]
+
+    def give_back(self, chunk: OpenChunk) -> None:
+        """Use the memory of a chunk again, which `take` has returned."""
+        if len(self._spare) < _MOST_SPARE and chunk.room_bytes == self._chunk_bytes:
+            chunk.clear()
+            self._spare.append(chunk)
 
     def wait(self, timeout_s: float) -> None:
         """Wait until `wake` was called, or the queue is half full, or the time is over."""
@@ -80,7 +84,40 @@ class Backlog:
         """Take nothing more. Called in a forked child, where no thread writes."""
         # Another thread of the parent may have held it.
         self._lock = threading.RLock()
-        self._most_bytes, self._items, self._bytes = -1, [], 0
+        self._most_bytes, self._chunk_bytes, self._chunk = -1, 0, OpenChunk(0)
+        self._full, self._full_bytes, self._spare = [], 0, []
+
+    def _add_behind(self, message: _Message) -> bool:
+        """Add a message for which the chunk has no room."""
+        size = MESSAGE_HEAD.size + len(message[4])
+        if self._full_bytes + self._chunk.size_bytes + size > self._most_bytes:
+            self.dropped += 1
+            self._is_wanted.set()
+            return False
+        self._end_chunk()
+        # Usually the writer comes by itself.
+        if self._full_bytes * 2 > self._most_bytes:
+            self._is_wanted.set()
+        if size <= self._chunk_bytes:
+            return self.add(*message)
+        self._full.append(message)
+        self._full_bytes += size
+        return True
+
+    def _end_chunk(self) -> None:
+        if not self._chunk.size_bytes:
+            return
+        chunk = self._spare.pop() if self._spare else OpenChunk(self._chunk_bytes)
+        # A signal handler that adds a message does so before this line, or behind it.
+        chunk, self._chunk = self._chunk, chunk
+        self._full.append(chunk)
+        self._full_bytes += chunk.size_bytes
+
+
+def _chunk_of(message: _Message) -> OpenChunk:
+    chunk = OpenChunk(MESSAGE_HEAD.size + len(message[4]))
+    chunk.add(*message)
+    return chunk
 
 
 def _forget_in_child() -> None:

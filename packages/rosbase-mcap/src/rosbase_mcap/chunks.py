@@ -2,70 +2,105 @@
 
 import struct
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
 from zlib import crc32
 
 from rosbase_mcap.compression import compressed
 from rosbase_mcap.records import PREFIX, Chunk, Kind, Message, record
 from rosbase_mcap.scanning import records_in
 
-if TYPE_CHECKING:
-    from rosbase_mcap.backlog import Item
-
 __all__ = [
+    "CHUNK_BYTES",
     "MESSAGE_HEAD",
-    "ChunkBuilder",
     "MessageTimes",
+    "OpenChunk",
     "contents_of",
     "message_index",
     "message_times",
 ]
 
+# A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
+CHUNK_BYTES = 1 << 20
+"""Length of the records of a chunk, unless one message is longer."""
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 """Record of a message up to its data: kind, length, channel, sequence, log and publish time."""
 _HEAD_BYTES = MESSAGE_HEAD.size - PREFIX.size
-_MESSAGE = struct.Struct("<HIQ")
+_MESSAGE_START = struct.Struct("<HIQ")
 # In Python 3.11, to find a member takes 0.2 us.
-_KIND_OF_MESSAGE = int(Kind.MESSAGE)
+_MESSAGE = int(Kind.MESSAGE)
 
 MessageTimes = Mapping[int, Sequence[int]]
 """By channel: `log_ns` and offset of each of its messages, all in one list."""
 
 
-class ChunkBuilder:
-    """Collects messages. Each costs two short lists and no object of its own."""
+class OpenChunk:
+    """A chunk that is being filled. A message becomes a record at its place, and no object."""
 
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-        self._times: defaultdict[int, list[int]] = defaultdict(list)
+    __slots__ = ("_records", "room_bytes", "size_bytes", "times")
+
+    def __init__(self, room_bytes: int = CHUNK_BYTES) -> None:
+        """Begin empty.
+
+        Args:
+            room_bytes: Most bytes of records. Memory for so many is reserved.
+        """
+        self._records = bytearray(room_bytes)
+        self.room_bytes = room_bytes
+        """Most bytes of records."""
         self.size_bytes = 0
         """Length of the records so far."""
+        self.times: defaultdict[int, list[int]] = defaultdict(list)
+        """Times and offsets of the messages so far."""
 
-    def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
-        """Add a message."""
-        self.add_all(((channel, sequence, log_ns, publish_ns, data),))
+    def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> bool:
+        """Add a message; return False if there is no room for it.
 
-    def add_all(self, items: "Iterable[Item]") -> None:
-        """Add messages, as `add` does, in one call: at high rates, calls are what costs."""
-        append, pack = self._parts.append, MESSAGE_HEAD.pack
-        times, size = self._times, self.size_bytes
-        for channel, sequence, log_ns, publish_ns, data in items:
-            length = _HEAD_BYTES + len(data)
-            append(pack(_KIND_OF_MESSAGE, length, channel, sequence, log_ns, publish_ns))
-            append(data)
-            times[channel] += (log_ns, size)
-            size += PREFIX.size + length
-        self.size_bytes = size
+        One thread may call it at a time. A signal handler of that thread may call it meanwhile.
+        """
+        pack_into, size = _layout(len(data))
+        length = size - PREFIX.size
+        while True:
+            at = self.size_bytes
+            if at + size > self.room_bytes:
+                return False
+            pack_into(
+                self._records, at, _MESSAGE, length, channel, sequence, log_ns, publish_ns, data
+            )
+            # Python runs signal handlers behind a call, such as that one, and threads of the caller
+            # wait. If a handler has added a message here, this one goes behind it.
+            if self.size_bytes == at:
+                self.size_bytes = at + size
+                self.times[channel] += (log_ns, at)
+                return True
 
-    def take(self, compression: str) -> tuple[Chunk, MessageTimes]:
-        """Return the chunk with the times of its messages, and begin another."""
-        data, times = b"".join(self._parts), dict(self._times)
-        self._parts, self._times, self.size_bytes = [], defaultdict(list), 0
-        start_ns, end_ns = _span(times)
-        packed = compressed(data, compression)
-        return Chunk(start_ns, end_ns, len(data), crc32(data), compression, packed), times
+    @property
+    def count(self) -> int:
+        """Number of messages so far."""
+        return sum(map(len, self.times.values())) // 2
+
+    @property
+    def records(self) -> memoryview:
+        """The records so far."""
+        return memoryview(self._records)[: self.size_bytes]
+
+    def close(self, compression: str) -> Chunk:
+        """Return the chunk as it is in a file. If it is not compressed, its data stays here."""
+        records = self.records
+        packed = compressed(records, compression)
+        return Chunk(*_span(self.times), len(records), crc32(records), compression, packed)
+
+    def clear(self) -> None:
+        """Forget all messages, and begin another chunk in the same memory."""
+        self.size_bytes, self.times = 0, defaultdict(list)
+
+
+# Not all: pictures of a camera have another length each.
+@lru_cache(maxsize=1024)
+def _layout(length: int) -> tuple[Callable[..., None], int]:
+    """Return the function that packs a message whose data has that length, and its size."""
+    layout = struct.Struct(f"{MESSAGE_HEAD.format}{length}s")
+    return layout.pack_into, layout.size
 
 
 def contents_of(records: bytes | memoryview) -> list[Message | tuple[int, memoryview]]:
@@ -73,7 +108,7 @@ def contents_of(records: bytes | memoryview) -> list[Message | tuple[int, memory
 
     What is cut off at the end is left out.
     """
-    data, unpack, kind_of_message = bytes(records), MESSAGE_HEAD.unpack_from, _KIND_OF_MESSAGE
+    data, unpack, kind_of_message = bytes(records), MESSAGE_HEAD.unpack_from, _MESSAGE
     # In C, as the class itself would do it in Python.
     make = partial(tuple.__new__, Message)
     at, end = 0, len(data)
@@ -101,8 +136,8 @@ def message_times(records: bytes | memoryview) -> MessageTimes:
     times: defaultdict[int, list[int]] = defaultdict(list)
     at = 0
     for kind, content in records_in(records):
-        if kind == _KIND_OF_MESSAGE and len(content) >= _HEAD_BYTES:
-            channel, _, log_ns = _MESSAGE.unpack_from(content)
+        if kind == _MESSAGE and len(content) >= _HEAD_BYTES:
+            channel, _, log_ns = _MESSAGE_START.unpack_from(content)
             times[channel] += (log_ns, at)
         at += PREFIX.size + len(content)
     return dict(times)

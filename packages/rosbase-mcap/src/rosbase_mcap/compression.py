@@ -13,7 +13,7 @@ MOST_CHUNK_BYTES = 1 << 30
 """Largest chunk that is read. A file may say anything, and a small one may unpack to much."""
 
 
-def compressed(data: bytes, compression: str) -> bytes:
+def compressed(data: bytes | memoryview, compression: str) -> bytes | memoryview:
     """Return the records of a chunk as they are in the file.
 
     Raises:

@@ -1,10 +1,9 @@
 """Copy a part of a file: some topics, or some time."""
 
-from collections.abc import Callable
 from typing import BinaryIO
 
 from rosbase_mcap.channel_table import LATCHED
-from rosbase_mcap.file_writer import FileWriter
+from rosbase_mcap.file_writer import FileWriter, Write
 from rosbase_mcap.reading import Selection, contents
 from rosbase_mcap.records import Attachment, Channel, Metadata, Schema
 from rosbase_mcap.traces import BROKEN, END, RUN, is_trace
@@ -17,7 +16,7 @@ _TRANSIENT_LOCAL_WORD = "durability: transient_local"
 
 def cut(
     stream: BinaryIO,
-    write: Callable[[bytes], object],
+    write: Write,
     selection: Selection,
     *,
     profile: str = "ros2",

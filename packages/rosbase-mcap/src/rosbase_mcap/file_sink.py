@@ -1,17 +1,17 @@
 """Messages into files, one after another. One thread uses it."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
+from rosbase_mcap.chunks import OpenChunk
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
 from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.splitting import Split, part_path
 from rosbase_mcap.traces import BROKEN
 
-__all__ = ["FACTS", "FileSink", "write_items"]
+__all__ = ["FACTS", "FileSink", "declare"]
 
 FACTS = "rosbase"
 """Name of the metadata with the facts of a recording."""
@@ -19,19 +19,10 @@ FACTS = "rosbase"
 _SLACK_BYTES = 8_192
 
 
-# A chunk may become longer by that many bytes than it should be.
-_GROUP_BYTES = 65_536
-
-
-def write_items(writer: FileWriter, table: ChannelTable, items: Sequence[Item]) -> None:
-    """Write messages, with the channels that are new to the file."""
-    for number in sorted({item[0] for item in items} - writer.summary.channels.keys()):
+def declare(writer: FileWriter, table: ChannelTable, channels: Iterable[int]) -> None:
+    """Write the channels that are new to a file."""
+    for number in sorted(set(channels) - writer.summary.channels.keys()):
         writer.declare(table.channel(number), table.schema(number))
-    if sum(len(item[4]) for item in items) <= _GROUP_BYTES:
-        writer.add_all(items)
-        return
-    for item in items:
-        writer.add(*item)
 
 
 class FileSink:
@@ -83,20 +74,18 @@ class FileSink:
         self._head = make
         self._writer.note(make(self._part))
 
-    def add(self, items: Iterable[Item]) -> None:
-        """Take messages, in their order."""
-        write_items(self._writer, self._table, list(items))
+    def add(self, chunk: OpenChunk) -> None:
+        """Write a chunk."""
+        declare(self._writer, self._table, chunk.times)
+        self._writer.add_open(chunk)
 
     def attach(self, attachment: Attachment) -> None:
-        """Write an attachment behind all messages that were taken."""
-        self._writer.end_chunk()
+        """Write an attachment."""
         self._writer.attach(attachment)
 
     def flush(self) -> None:
         """Put everything on the disk; begin another file if this one is full."""
-        written = self._writer.size_bytes
-        self._writer.end_chunk()
-        if self._writer.size_bytes == written == self._synced:
+        if self._writer.size_bytes == self._synced:
             return
         self._output.sync()
         self._synced = self._writer.size_bytes

@@ -1,17 +1,17 @@
 """Write an MCAP file to a stream, so that at most the chunk that is open is ever lost.
 
-Each record goes out in one call. A chunk is written with its indexes, so a file that ends after any
-of these calls has everything that `recovery` needs.
+A chunk is written with its indexes, and every other record in one call. Whatever such a file ends
+with, `recovery` finds all that is before it.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from attrs import evolve
 
-from rosbase_mcap.chunks import ChunkBuilder, MessageTimes, message_index
+from rosbase_mcap.chunks import CHUNK_BYTES, MESSAGE_HEAD, MessageTimes, OpenChunk, message_index
 from rosbase_mcap.compression import compressed
 from rosbase_mcap.records import (
     MAGIC,
@@ -30,13 +30,11 @@ from rosbase_mcap.records import (
 )
 from rosbase_mcap.summary import Snapshot, Summary
 
-if TYPE_CHECKING:
-    from rosbase_mcap.backlog import Item
+__all__ = ["FileWriter", "Write"]
 
-__all__ = ["FileWriter"]
+Write: TypeAlias = Callable[[bytes | memoryview], object]
+"""Writes all of the bytes, or raises."""
 
-# A file with few, long chunks is read quickly; a viewer that jumps to a time reads a whole one.
-_CHUNK_BYTES = 1 << 20
 # As many chunks can be given up for the end of a file on a full disk: all of the last second.
 _MOST_GIVEN_UP = 2
 
@@ -46,7 +44,7 @@ class FileWriter:
 
     def __init__(
         self,
-        write: Callable[[bytes], object],
+        write: Write,
         *,
         profile: str = "ros2",
         compression: str = "",
@@ -67,7 +65,7 @@ class FileWriter:
         compressed(b"", compression)
         self._write = write
         self._compression = compression
-        self._chunk = ChunkBuilder()
+        self._chunk: OpenChunk | None = None
         self.summary = Summary()
         """Contents of the file so far."""
         self._before: deque[tuple[int, Snapshot]] = deque(maxlen=_MOST_GIVEN_UP)
@@ -94,26 +92,26 @@ class FileWriter:
             self.summary.schemas[schema.id] = schema
 
     def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
-        """Add a message to the chunk that is open; write it if it is long enough."""
-        self._chunk.add(channel, sequence, log_ns, publish_ns, data)
-        if self._chunk.size_bytes >= _CHUNK_BYTES:
+        """Add a message to the chunk that is open, or to another one if there is no room."""
+        message = channel, sequence, log_ns, publish_ns, data
+        if self._chunk is None or not self._chunk.add(*message):
             self.end_chunk()
-
-    def add_all(self, items: "Iterable[Item]") -> None:
-        """Add messages, as `add` does. They are few: a chunk ends behind them, not among them."""
-        self._chunk.add_all(items)
-        if self._chunk.size_bytes >= _CHUNK_BYTES:
-            self.end_chunk()
+            self._chunk = OpenChunk(max(CHUNK_BYTES, MESSAGE_HEAD.size + len(data)))
+            self._chunk.add(*message)
 
     def end_chunk(self) -> None:
-        """Write the chunk that is open, if it has messages."""
-        if self._chunk.size_bytes:
-            self.add_chunk(*self._chunk.take(self._compression))
+        """Write the chunk that is open, if there is one."""
+        if self._chunk is not None:
+            chunk, self._chunk = self._chunk, None
+            self.add_open(chunk)
+
+    def add_open(self, chunk: OpenChunk) -> None:
+        """Write a chunk that was filled elsewhere."""
+        self.add_chunk(chunk.close(self._compression), chunk.times)
 
     def add_chunk(self, chunk: Chunk, times: MessageTimes) -> None:
         """Write a chunk as it is, with the indexes of its messages."""
         self._before.append((self.size_bytes, self.summary.snapshot()))
-        # The data is long: it is copied once, for all to go out in one call.
         head = chunk.head()
         length = PREFIX.size + len(head) + len(chunk.data)
         at = self.size_bytes + length
@@ -132,12 +130,16 @@ class FileWriter:
             len(chunk.data),
             chunk.size_bytes,
         )
+        # The data is long: it is not copied for all to go out in one call.
         try:
-            prefix = PREFIX.pack(Kind.CHUNK, length - PREFIX.size)
-            self._put(b"".join((prefix, head, chunk.data, indexes)))
+            self._write(PREFIX.pack(Kind.CHUNK, length - PREFIX.size) + head)
+            self._write(chunk.data)
+            self._write(indexes)
         except OSError:
             self._before.pop()
             raise
+        # Not before all of it is there.
+        self.size_bytes = at + len(indexes)
         self.summary.chunks.append(index)
         self.summary.count(times)
 

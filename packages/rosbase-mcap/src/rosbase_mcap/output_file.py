@@ -27,7 +27,7 @@ class OutputFile:
         """Whether it takes nothing more."""
         return self._file.closed
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes | memoryview) -> None:
         """Write all of the bytes.
 
         Raises:

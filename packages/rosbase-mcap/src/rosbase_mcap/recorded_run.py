@@ -10,9 +10,6 @@ from rosbase.entries.conductor import Conductor
 from rosbase.entries.sink import EndFacts, RunFacts
 from rosbase.entries.trace import Trace
 from rosbase.entries.turn import Turn
-from rosbase_mcap.backlog import Item
-from rosbase_mcap.channel_table import ORIGIN, ChannelTable
-from rosbase_mcap.outputs import Digest
 from rosbase_mcap.records import Attachment, Metadata
 from rosbase_mcap.surroundings import surroundings
 from rosbase_mcap.traces import Run, RunEnd, end_metadata, run_metadata, trace_attachment
@@ -42,9 +39,6 @@ class RecordedRun:
         """Where the program notes its entries; its number is that of the entry that runs."""
         self._facts = RunFacts(0, 0)
         self._end: EndFacts | None = None
-        self._digest = Digest()
-        # Empty for channels whose messages came from outside.
-        self._topics_by_channel: dict[int, str] = {}
         self._blocks = 0
 
     def begin(self, backend: Any, conductor: Conductor, trace: Trace, facts: RunFacts) -> None:
@@ -74,17 +68,6 @@ class RecordedRun:
         self._blocks += 1
         return trace_attachment(block, self._blocks - 1, self._facts.start_date_ns)
 
-    def count(self, items: Iterable[Item], table: ChannelTable) -> None:
-        """Count messages that were written in the digest of the run."""
-        topics, add = self._topics_by_channel, self._digest.add
-        for number, sequence, _, _, data in items:
-            topic = topics.get(number)
-            if topic is None:
-                channel = table.channel(number)
-                topic = topics[number] = "" if ORIGIN in channel.metadata else channel.topic
-            if topic:
-                add(sequence, topic, data)
-
     def head(self, part: int) -> Metadata:
         """Return what is known of the run, for the start of the file of that number."""
         return run_metadata(Run(self._id, part, "start", self._topics, self._facts))
@@ -93,4 +76,4 @@ class RecordedRun:
         """Return what is known of its end, for the end of the last file."""
         number = self.trace.number + 1
         facts = self._end or EndFacts(number, "", ("the recording has ended before the program",))
-        return end_metadata(RunEnd(facts, self._digest.hexdigest))
+        return end_metadata(RunEnd(facts))

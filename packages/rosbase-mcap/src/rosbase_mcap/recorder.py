@@ -1,14 +1,15 @@
 """The thread that writes a recording, and the way of messages to it."""
 
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from itertools import count
 from threading import get_ident
 from typing import Protocol
 
 from rosbase import RosbaseLogger, SystemClock, background_thread
-from rosbase_mcap.backlog import Backlog, Item
+from rosbase_mcap.backlog import Backlog
 from rosbase_mcap.channel_table import ORIGIN, OUTSIDE, ChannelTable
+from rosbase_mcap.chunks import OpenChunk
 from rosbase_mcap.errors import McapError
 from rosbase_mcap.recorded_run import RecordedRun
 from rosbase_mcap.records import Attachment, Metadata
@@ -20,9 +21,8 @@ LOSSES = "rosbase_dropped"
 # A kill loses at most the time between two looks at the queue.
 _FLUSH_S = 0.5
 _JOIN_S = 10.0
-# A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it packs a
-# few messages, and lets go of Python's lock for long enough that the main loop gets it.
-_TURN = 64
+# A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it lets go
+# of Python's lock between two chunks, for long enough that the main loop gets it.
 _PAUSE_S = 0.0002
 _CLOCK = SystemClock()
 _BACKLOG_BYTES = 64 << 20
@@ -32,8 +32,8 @@ _MASK = 0xFFFFFFFF
 class Sink(Protocol):
     """Where a recording goes. One thread uses it; OSError means that it takes no more."""
 
-    def add(self, items: Iterable[Item]) -> None:
-        """Take messages, in their order."""
+    def add(self, chunk: OpenChunk) -> None:
+        """Take the messages of a chunk, which is used again afterwards."""
         ...
 
     def head(self, make: Callable[[int], Metadata]) -> None:
@@ -131,13 +131,13 @@ class Recorder:
                 # MCAP has no dates before 1970.
                 log_ns, publish_ns = max(log_ns, 0), max(publish_ns, 0)
             if run is None:
-                return add((number, sequence() & _MASK, log_ns, publish_ns, data))
+                return add(number, sequence() & _MASK, log_ns, publish_ns, data)
             if run.turn.owner == get_ident():
-                return add((number, run.trace.number & _MASK, log_ns, publish_ns, data))
+                return add(number, run.trace.number & _MASK, log_ns, publish_ns, data)
             if outside is None:
                 own = {**metadata, ORIGIN: OUTSIDE}
                 outside = self._table.add(topic, type_name, schema, own)
-            return add((outside, sequence() & _MASK, log_ns, publish_ns, data))
+            return add(outside, sequence() & _MASK, log_ns, publish_ns, data)
 
         return record
 
@@ -183,17 +183,14 @@ class Recorder:
                 self._end()
                 return
 
-    def _write(self, items: list[Item], block: Attachment | None) -> None:
+    def _write(self, chunks: list[OpenChunk], block: Attachment | None) -> None:
         if self._is_broken:
-            self._unwritten += len(items)
+            self._unwritten += sum(chunk.count for chunk in chunks)
             return
         try:
-            for first in range(0, len(items), _TURN):
-                turn = items[first : first + _TURN]
-                self._sink.add(turn)
-                self.written += len(turn)
-                if self._run is not None:
-                    self._run.count(turn, self._table)
+            for chunk in chunks:
+                self._sink.add(chunk)
+                self.written += chunk.count
                 if not self._is_stopping:
                     _CLOCK.sleep(_PAUSE_S)
             if block is not None:
@@ -202,7 +199,10 @@ class Recorder:
         except Exception as error:
             # Any: what waits must go, or it would fill the memory.
             self._break(error)
-            self._unwritten += len(items)
+            self._unwritten += sum(chunk.count for chunk in chunks)
+            return
+        for chunk in chunks:
+            self._backlog.give_back(chunk)
 
     def _end(self) -> None:
         if self._is_broken:

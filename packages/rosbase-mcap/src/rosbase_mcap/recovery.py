@@ -6,7 +6,6 @@ is not compressed; so no message that is whole in the file is lost. A chunk with
 left out.
 """
 
-from collections.abc import Callable
 from typing import BinaryIO
 
 from attrs import define, field
@@ -14,7 +13,7 @@ from attrs import define, field
 from rosbase_mcap.chunks import message_times
 from rosbase_mcap.compression import unpacked
 from rosbase_mcap.errors import McapError
-from rosbase_mcap.file_writer import FileWriter
+from rosbase_mcap.file_writer import FileWriter, Write
 from rosbase_mcap.records import (
     MAGIC,
     PREFIX,
@@ -80,7 +79,7 @@ def count_damaged(stream: BinaryIO) -> int:
     return number + (is_complete(stream) and not has_end)
 
 
-def mend(source: BinaryIO, write: Callable[[bytes], object]) -> Mended:
+def mend(source: BinaryIO, write: Write) -> Mended:
     """Write all that is whole in a file as a complete file.
 
     Args:

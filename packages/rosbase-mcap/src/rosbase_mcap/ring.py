@@ -2,15 +2,15 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from rosbase_mcap.backlog import Item
 from rosbase_mcap.channel_table import ChannelTable
-from rosbase_mcap.file_sink import FACTS, write_items
+from rosbase_mcap.chunks import OpenChunk, contents_of
+from rosbase_mcap.file_sink import FACTS, declare
 from rosbase_mcap.file_writer import FileWriter
 from rosbase_mcap.output_file import OutputFile
-from rosbase_mcap.records import Attachment, Metadata
+from rosbase_mcap.records import Attachment, Message, Metadata
 
 __all__ = ["Ring"]
 
@@ -49,19 +49,21 @@ class Ring:
         self._table, self._facts = table, facts
         self._keep_ns, self._most_bytes = keep_ns, most_bytes
         self._compression = compression
-        self._items: deque[Item] = deque()
+        self._messages: deque[Message] = deque()
         self._bytes = 0
-        self._latched: dict[int, deque[Item]] = {}
+        self._latched: dict[int, deque[Message]] = {}
         self._lock = threading.Lock()
 
-    def add(self, items: Iterable[Item]) -> None:
-        """Take messages, in their order, and forget those that are too old."""
+    def add(self, chunk: OpenChunk) -> None:
+        """Take the messages of a chunk, and forget those that are too old."""
         with self._lock:
-            for item in items:
-                self._items.append(item)
-                self._bytes += len(item[4]) + _OVERHEAD_BYTES
-            if self._items:
-                self._forget(self._items[-1][2] - self._keep_ns)
+            for message in contents_of(chunk.records):
+                # There is nothing else in it.
+                assert isinstance(message, Message)
+                self._messages.append(message)
+                self._bytes += len(message.data) + _OVERHEAD_BYTES
+            if self._messages:
+                self._forget(self._messages[-1].log_ns - self._keep_ns)
 
     def head(self, make: Callable[[int], Metadata]) -> None:
         """Do nothing: a ring has no beginning, so no program can be replayed from it."""
@@ -91,28 +93,30 @@ class Ring:
             OSError: The disk takes no more.
         """
         with self._lock:
-            old = [item for ones in self._latched.values() for item in ones]
-            items = sorted(old, key=lambda item: item[2]) + list(self._items)
+            old = [message for ones in self._latched.values() for message in ones]
+            messages = sorted(old, key=lambda message: message.log_ns) + list(self._messages)
         output = OutputFile(path)
         try:
             writer = FileWriter(output.write, compression=self._compression)
             writer.note(Metadata(FACTS, {**self._facts, "ring": "true"}))
-            write_items(writer, self._table, items)
+            declare(writer, self._table, {message.channel_id for message in messages})
+            for message in messages:
+                writer.add(*message)
             writer.finish()
             output.sync()
         finally:
             output.close()
-        return len(items)
+        return len(messages)
 
     def _is_lasting(self, channel: int) -> bool:
         topic = self._table.channel(channel).topic
         return self._table.is_latched(channel) or topic.endswith(_LASTING)
 
     def _forget(self, before_ns: int) -> None:
-        items = self._items
-        while items and (items[0][2] < before_ns or self._bytes > self._most_bytes):
-            item = items.popleft()
-            self._bytes -= len(item[4]) + _OVERHEAD_BYTES
-            if self._is_lasting(item[0]):
-                kept = self._latched.setdefault(item[0], deque(maxlen=_MOST_LATCHED))
-                kept.append(item)
+        messages = self._messages
+        while messages and (messages[0].log_ns < before_ns or self._bytes > self._most_bytes):
+            message = messages.popleft()
+            self._bytes -= len(message.data) + _OVERHEAD_BYTES
+            if self._is_lasting(message.channel_id):
+                kept = self._latched.setdefault(message.channel_id, deque(maxlen=_MOST_LATCHED))
+                kept.append(message)

@@ -59,8 +59,6 @@ class RunEnd:
     """Facts of the end of a run, in the last of its files."""
 
     facts: EndFacts
-    sha256: str
-    """Digest of all that the program has published."""
     more: Mapping[str, Any] = field(factory=dict)
 
 
@@ -143,7 +141,6 @@ def end_metadata(end: RunEnd) -> Metadata:
         "entries": end.facts.entries,
         "ended_by": end.facts.ended_by,
         "spoiled": list(end.facts.spoiled),
-        "sha256": end.sha256,
     }
     return _metadata(END, {**values, **end.more})
 
@@ -159,7 +156,7 @@ def read_end(metadata: Metadata) -> RunEnd:
         facts = EndFacts(
             int(values.pop("entries")), str(values.pop("ended_by")), tuple(values.pop("spoiled"))
         )
-        return RunEnd(facts, str(values.pop("sha256")), values)
+        return RunEnd(facts, values)
     except (KeyError, TypeError, ValueError):
         raise McapError(f"the metadata {END} is damaged") from None
 

@@ -3,12 +3,13 @@
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 from rosbase_mcap.errors import McapError
+from rosbase_mcap.file_writer import Write
 from rosbase_mcap.recovery import count_damaged
 
 __all__ = ["damage_text", "opened", "say_damage", "written"]
@@ -46,7 +47,7 @@ def say_damage(path: Path, stream: BinaryIO) -> None:
 
 
 @contextmanager
-def written(path: Path, *, may_replace: bool = False) -> Iterator[Callable[[bytes], object]]:
+def written(path: Path, *, may_replace: bool = False) -> Iterator[Write]:
     """Write a file that has its name only once it is whole.
 
     Args:
