@@ -68,7 +68,7 @@ class ProgramRecording:
         # The taps need the recorder, and come after it.
         run = self._run if self._run.is_followed else None
         self._recorder = Recorder(
-            self._sink, self._table, logger, before_flush=self._look_again, run=run
+            self._sink, self._table, logger, on_broken=self._stop_hearing, run=run
         )
         self._taps = TopicTaps(backend, self._recorder, logger, wanted(self._options.topics))
         self._taps.begin()
@@ -117,12 +117,9 @@ class ProgramRecording:
         except RecordingError as fault:
             self._logger.error(f"the last seconds of this program are lost: {fault}")
 
-    def _look_again(self) -> None:
-        if self._recorder is not None and self._recorder.is_broken:
-            # The program need not pay for it any more.
-            self._taps.close()
-        else:
-            self._taps.look()
+    def _stop_hearing(self) -> None:
+        # The program need not pay for it any more.
+        self._taps.close()
 
 
 def _file_sink(options: RecordOptions, table: ChannelTable, facts: dict[str, str]) -> FileSink:

@@ -73,7 +73,7 @@ class Recorder:
         table: ChannelTable,
         logger: RosbaseLogger,
         *,
-        before_flush: Callable[[], object] = lambda: None,
+        on_broken: Callable[[], object] = lambda: None,
         run: RecordedRun | None = None,
         most_bytes: int = _BACKLOG_BYTES,
     ) -> None:
@@ -83,13 +83,13 @@ class Recorder:
             sink: Where the messages go.
             table: The channels.
             logger: Says what was lost.
-            before_flush: Called on the thread that writes, twice a second, such as to look for
-                new topics. It must not raise.
+            on_broken: Called when the disk takes no more, on the thread that writes. It must not
+                raise.
             run: The entries of the program, if they are recorded too.
             most_bytes: How much may wait for the disk.
         """
         self._sink, self._table, self._logger = sink, table, logger
-        self._before_flush = before_flush
+        self._on_broken = on_broken
         self._run = run
         self._backlog = Backlog(most_bytes)
         self._thread = background_thread(self._work, "recorder")
@@ -175,8 +175,6 @@ class Recorder:
             self._backlog.wait(_FLUSH_S)
             # Before the messages are taken, so that the last ones are among them.
             is_last = self._is_stopping
-            if not is_last:
-                self._before_flush()
             self.drain()
             self._say_losses()
             if is_last:
@@ -224,6 +222,7 @@ class Recorder:
         self._logger.error(
             f"the recording ends here, the program goes on: {error}", exc_info=traceback
         )
+        self._on_broken()
 
     def _say_losses(self) -> None:
         # Each time that it has doubled: a few lines, however long it goes on.

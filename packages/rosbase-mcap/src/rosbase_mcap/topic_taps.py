@@ -49,17 +49,10 @@ class TopicTaps:
     def begin(self) -> None:
         """Hear the topics that there are, and each new one."""
         self._backend.new_ends.add(self._welcome)
-        self.look()
-
-    def look(self) -> None:
-        """Hear the topics that are new. Raises nothing.
-
-        `begin` does so too. Call it now and then, for backends that do not tell of new topics.
-        """
         try:
             ends = _by_topic(self._backend.graph())
         except BackendError:
-            # It is closed, or has no graph.
+            # It has no graph.
             return
         for topic, found in ends.items():
             self._add(topic, found)
