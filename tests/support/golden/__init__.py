@@ -1,0 +1,1 @@
+"""Recordings that earlier versions have made, and their programs."""
