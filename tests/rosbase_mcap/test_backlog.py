@@ -8,6 +8,7 @@ import pytest
 
 from rosbase_mcap.backlog import Backlog
 from rosbase_mcap.chunks import CHUNK_BYTES, MESSAGE_HEAD
+from support.coming_in import coming_in
 from support.open_chunks import messages_in
 
 
@@ -104,6 +105,24 @@ def test_threads_lose_no_message() -> None:
             backlog.give_back(chunk)
     found += taken(backlog)
     assert sorted(found) == sorted([*range(1000)] * 4)
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("most_bytes", [31, 100, 1 << 20])
+def test_a_signal_handler_may_add_a_message_in_the_middle_of_anything(most_bytes: int) -> None:
+    moments, is_over = 0, False
+    while not is_over:
+        backlog = Backlog(most_bytes)
+        results = []
+        with coming_in(lambda: results.append(add(backlog, 1, 0)), skipping=moments):  # noqa: B023 - called in the block
+            results += [add(backlog, 0, 0), add(backlog, 2, 0)]
+            number = len(backlog.take())
+        is_over = len(results) == 2
+        moments += 1
+        found = len(taken(backlog))
+        assert number or found
+        assert results.count(False) == backlog.dropped
+    assert moments > 20
 
 
 @pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")

@@ -1,38 +1,18 @@
 """A chunk that is being filled."""
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
-from typing import Any
 from zlib import crc32
 
 import pytest
 
 from rosbase_mcap.chunks import MESSAGE_HEAD, OpenChunk, contents_of, message_times
 from rosbase_mcap.compression import unpacked
-
-
-@contextmanager
-def coming_in(run: Callable[[], object]) -> Iterator[None]:
-    """Runs something once behind a call in the middle of `add`, where signal handlers run."""
-
-    def look(_frame: FrameType, event: str, function: Any) -> None:
-        if event == "c_return" and function.__name__ == "pack_into":
-            sys.setprofile(None)
-            run()
-
-    sys.setprofile(look)
-    try:
-        yield
-    finally:
-        sys.setprofile(None)
+from support.coming_in import coming_in
 
 
 @pytest.mark.parametrize("data", [b"", b"short", b"longer than the other"])
 def test_a_message_that_is_added_while_another_one_is_loses_neither(data: bytes) -> None:
     chunk = OpenChunk()
-    with coming_in(lambda: chunk.add(1, 2, 3, 4, data)):
+    with coming_in(lambda: chunk.add(1, 2, 3, 4, data), behind="pack_into"):
         assert chunk.add(0, 7, 5, 6, b"the other")
     assert contents_of(chunk.records) == [(1, 2, 3, 4, data), (0, 7, 5, 6, b"the other")]
     assert chunk.times == message_times(chunk.records) == {1: [3, 0], 0: [5, 31 + len(data)]}
@@ -40,7 +20,7 @@ def test_a_message_that_is_added_while_another_one_is_loses_neither(data: bytes)
 
 def test_a_message_that_is_added_meanwhile_may_take_the_last_room() -> None:
     chunk = OpenChunk(MESSAGE_HEAD.size)
-    with coming_in(lambda: chunk.add(1, 2, 3, 4, b"")):
+    with coming_in(lambda: chunk.add(1, 2, 3, 4, b""), behind="pack_into"):
         assert not chunk.add(0, 7, 5, 6, b"")
     assert contents_of(chunk.records) == [(1, 2, 3, 4, b"")]
 
@@ -51,7 +31,7 @@ def test_a_message_that_is_interrupted_leaves_no_trace() -> None:
 
     chunk = OpenChunk()
     chunk.add(0, 1, 2, 3, b"before")
-    with coming_in(interrupt), pytest.raises(KeyboardInterrupt):
+    with coming_in(interrupt, behind="pack_into"), pytest.raises(KeyboardInterrupt):
         chunk.add(0, 7, 5, 6, b"interrupted")
     chunk.add(0, 4, 5, 6, b"behind")
     assert contents_of(chunk.records) == [(0, 1, 2, 3, b"before"), (0, 4, 5, 6, b"behind")]

@@ -2,6 +2,7 @@
 
 import os
 import threading
+from contextlib import suppress
 from typing import TypeAlias
 from weakref import WeakSet
 
@@ -41,7 +42,10 @@ class Backlog:
         self._spare: list[OpenChunk] = []
         # A signal handler may publish while its thread does.
         self._lock = threading.RLock()
-        self._is_wanted = threading.Event()
+        # Free if the writer should come. A signal handler may free it at any time, which no Event
+        # allows.
+        self._wakeup = threading.Lock()
+        self._wakeup.acquire()
         self.dropped = 0
         """Number of messages that found no room."""
         _backlogs.add(self)
@@ -56,14 +60,14 @@ class Backlog:
     @property
     def is_wanted(self) -> bool:
         """Whether the writer should come now."""
-        return self._is_wanted.is_set()
+        return not self._wakeup.locked()
 
     def take(self) -> list[OpenChunk]:
         """Return what waits, in the order in which it came, and forget it."""
         with self._lock:
             self._end_chunk()
             waiting, self._full, self._full_bytes = self._full, [], 0
-            self._is_wanted.clear()
+            self._wakeup.acquire(blocking=False)
         return [one if isinstance(one, OpenChunk) else _chunk_of(one) for one in waiting]
 
     def give_back(self, chunk: OpenChunk) -> None:
@@ -74,11 +78,13 @@ class Backlog:
 
     def wait(self, timeout_s: float) -> None:
         """Wait until `wake` was called, or the queue is half full, or the time is over."""
-        self._is_wanted.wait(timeout_s)
+        self._wakeup.acquire(timeout=timeout_s)
 
     def wake(self) -> None:
-        """End `wait`. Call it from any thread."""
-        self._is_wanted.set()
+        """End `wait`. Call it from any thread or signal handler."""
+        with suppress(RuntimeError):
+            # It may be free already.
+            self._wakeup.release()
 
     def forget(self) -> None:
         """Take nothing more. Called in a forked child, where no thread writes."""
@@ -92,12 +98,12 @@ class Backlog:
         size = MESSAGE_HEAD.size + len(message[4])
         if self._full_bytes + self._chunk.size_bytes + size > self._most_bytes:
             self.dropped += 1
-            self._is_wanted.set()
+            self.wake()
             return False
         self._end_chunk()
         # Usually the writer comes by itself.
         if self._full_bytes * 2 > self._most_bytes:
-            self._is_wanted.set()
+            self.wake()
         if size <= self._chunk_bytes:
             return self.add(*message)
         self._full.append(message)
