@@ -6,13 +6,14 @@ lists the topics once it has found the program's. The medians count.
 """
 
 import os
-import random
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+from support.ros_domain import own_domain
 
 TURNS = 21
 MOST_RATIO = 2.5
@@ -79,7 +80,7 @@ def measure() -> dict[str, float]:
     with_rclpy = has_rclpy()
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ["BENCH_BACKEND"] = "ros2" if with_rclpy else "local"
-    os.environ["ROS_DOMAIN_ID"] = str(random.SystemRandom().randint(1, 100))
+    os.environ["ROS_DOMAIN_ID"] = str(own_domain())
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     with tempfile.TemporaryDirectory(prefix="rosbase-") as folder:
         os.environ["XDG_RUNTIME_DIR"] = folder

@@ -14,7 +14,6 @@ whose subscriber may find the publisher late.
 """
 
 import os
-import random
 import signal
 import statistics
 import subprocess
@@ -31,6 +30,7 @@ from attrs import frozen
 from benchmarks.rig.turns import take_turns
 from rosbase import BaseHandlers, BaseManager, BaseNode
 from rosbase.messages import Header, Imu, Vector3
+from support.ros_domain import own_domain
 
 RATE_HZ = 1000
 WARM_UP = 1000
@@ -204,7 +204,7 @@ def print_table(title: str, rows: dict[str, list[Turn]]) -> None:
 def main() -> None:
     """Prints the tables."""
     os.environ |= {
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, 100)),
+        "ROS_DOMAIN_ID": str(own_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     wanted: Sequence[str] = sys.argv[1:] or [*ROWS]

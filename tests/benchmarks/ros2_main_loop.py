@@ -11,11 +11,11 @@ ratios, those of the turn's own.
 """
 
 import os
-import random
 from functools import partial
 
 from benchmarks.rig.loops import Turn, manager_row, measure, print_table, row_by_hand
 from benchmarks.rig.turns import take_turns
+from support.ros_domain import own_domain
 
 ROWS = {
     "rclpy timer": row_by_hand("timer_loop.py"),
@@ -35,7 +35,7 @@ def turn(rate_hz: int, name: str) -> Turn:
 def main() -> None:
     """Prints the tables."""
     os.environ |= {
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, 100)),
+        "ROS_DOMAIN_ID": str(own_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     for rate_hz in RATES_HZ:

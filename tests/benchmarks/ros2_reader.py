@@ -10,7 +10,6 @@ turns count; of ratios, those of the turn's own.
 """
 
 import os
-import random
 import statistics
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from pathlib import Path
 from attrs import frozen
 
 from imu_serial.simulator import PtyDevice
+from support.ros_domain import own_domain
 
 BY_HAND = Path(__file__).with_name("by_hand")
 TURNS = 5
@@ -221,7 +221,7 @@ def show(title: str, turns: Mapping[str, Sequence[Turn]], figures: Mapping[str, 
 def main() -> None:
     """Prints the tables."""
     os.environ |= {
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randint(1, 100)),
+        "ROS_DOMAIN_ID": str(own_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     turns = int(sys.argv[1]) if len(sys.argv) > 1 else TURNS

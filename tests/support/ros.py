@@ -1,12 +1,9 @@
 """Real rclpy for tests: a domain of their own, executors on threads, a node that is served."""
 
-import fcntl
 import os
-import random
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
@@ -24,6 +21,7 @@ from rosbase.local import Bus, LocalBackend
 from rosbase.roles.lifecycle_node import LifecycleNode
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.lifecycle_services import LifecycleServices
+from support.ros_domain import own_domain
 from support.waiting import wait_until
 
 Open: TypeAlias = Callable[..., Ros2Backend]
@@ -47,31 +45,6 @@ def isolate(log_dir: Path) -> None:
         # A field of the wrong type is published as garbage without this.
         "ROS_PYTHON_CHECK_FIELDS": "1",
     }
-
-
-def own_domain() -> int:
-    """A random domain that no other test of this machine has; the one behind it is free, too.
-
-    It belongs to this process until its end.
-    """
-    numbers = list(range(2, 100, 2))
-    random.SystemRandom().shuffle(numbers)
-    for number in numbers:
-        path = Path(tempfile.gettempdir(), f"rosbase-tests-domain-{number}")
-        with suppress(OSError):
-            if _is_locked(os.open(path, os.O_CREAT | os.O_RDWR)):
-                return number
-    raise RuntimeError("other tests have all domains of ROS")
-
-
-def _is_locked(file: int) -> bool:
-    """Locks a file for as long as this process lives; returns False if another one has it."""
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(file)
-        return False
-    return True
 
 
 @contextmanager
