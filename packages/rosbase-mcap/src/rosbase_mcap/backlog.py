@@ -22,7 +22,7 @@ _backlogs: "WeakSet[Backlog]" = WeakSet()
 class Backlog:
     """A queue with a limit in bytes. Any thread adds, one takes all.
 
-    Messages wait as the records of chunks, so each leaves the writer little to do. A message that
+    Messages wait as MCAP records, packed into chunks, so the writer has little left to do. One that
     finds no room is dropped and counted: the program never waits for a disk.
     """
 
@@ -38,12 +38,12 @@ class Backlog:
         # Messages that are longer than a chunk wait as they are.
         self._full: list[OpenChunk | _Message] = []
         self._full_bytes = 0
-        # New memory costs more than to write to it.
+        # New memory costs more than writing to it.
         self._spare: list[OpenChunk] = []
         # A signal handler may publish while its thread does.
         self._lock = threading.RLock()
-        # Free if the writer should come. A signal handler may free it at any time, which no Event
-        # allows.
+        # Free if the writer should come. A signal handler may release a lock at any time; with an
+        # Event, it could wait for itself.
         self._wakeup = threading.Lock()
         self._wakeup.acquire()
         self.dropped = 0

@@ -35,7 +35,7 @@ MessageTimes = Mapping[int, Sequence[int]]
 
 
 class OpenChunk:
-    """A chunk that is being filled. A message becomes a record at its place, and no object."""
+    """A chunk that is being filled. Messages are packed into place, and not kept as objects."""
 
     __slots__ = ("_records", "room_bytes", "size_bytes", "times")
 
@@ -67,8 +67,8 @@ class OpenChunk:
             pack_into(
                 self._records, at, _MESSAGE, length, channel, sequence, log_ns, publish_ns, data
             )
-            # Python runs signal handlers behind a call, such as that one, and threads of the caller
-            # wait. If a handler has added a message here, this one goes behind it.
+            # Python runs signal handlers after a call, such as this one. If a handler has added a
+            # message, this one goes behind it. Below there is no call.
             if self.size_bytes == at:
                 self.size_bytes = at + size
                 self.times[channel] += (log_ns, at)

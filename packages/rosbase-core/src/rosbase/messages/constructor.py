@@ -1,8 +1,8 @@
-"""Constructors of messages that put the fields into their slots.
+"""Faster constructors for messages.
 
-Those of attrs look up `object.__setattr__` and the slot for each field, and call every validator.
-Here, a validator is called for a value that is not as usual. A message is constructed a quarter
-faster, and a program does that for each sample.
+The constructors that attrs generates look up each slot by name, and call every validator. These set
+the slots directly, and call a validator only for an unusual value. They take a quarter less time,
+and a program constructs several messages for each sample.
 """
 
 from collections.abc import Callable
@@ -15,10 +15,10 @@ __all__ = ["put_into_slots", "usual"]
 
 _USUAL = "__usual__"
 
-Check = Callable[[Any, "Attribute[Any]", Any], None]
+_Check = Callable[[Any, "Attribute[Any]", Any], None]
 
 
-def usual(kind: type, size: int | None = None) -> Callable[[Check], Check]:
+def usual(kind: type, size: int | None = None) -> Callable[[_Check], _Check]:
     """Return a decorator that says which values a validator accepts as they are.
 
     Args:
@@ -26,7 +26,7 @@ def usual(kind: type, size: int | None = None) -> Callable[[Check], Check]:
         size: Their length; None for any.
     """
 
-    def declare(check: Check) -> Check:
+    def declare(check: _Check) -> _Check:
         setattr(check, _USUAL, (kind, size))
         return check
 

@@ -1,7 +1,7 @@
 """Write a message in one call of `struct`: a message of numbers, and at most one text.
 
-Most messages of sensors are such. Where everything stands depends on the length of the text alone,
-and the frame of a sensor is the same text in each message.
+Most sensor messages are like that. Their layout depends only on the length of the text, which is
+usually the frame: the same text in each message.
 """
 
 from collections.abc import Callable
