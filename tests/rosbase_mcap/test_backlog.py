@@ -10,6 +10,7 @@ from rosbase_mcap.backlog import Backlog
 from rosbase_mcap.chunks import CHUNK_BYTES, MESSAGE_HEAD
 from support.coming_in import coming_in
 from support.open_chunks import messages_in
+from support.waiting import wait_until
 
 
 def add(backlog: Backlog, number: int, length: int = 100) -> bool:
@@ -85,6 +86,27 @@ def test_the_writer_is_woken_before_the_queue_is_full_and_not_by_each_message() 
     assert backlog.is_wanted
     backlog.take()
     assert not backlog.is_wanted
+
+
+def test_the_writer_can_wait_for_the_next_message() -> None:
+    backlog = Backlog(1 << 20)
+    is_over = threading.Event()
+
+    def wait() -> None:
+        backlog.wait_for_next(60.0)
+        is_over.set()
+
+    add(backlog, 0)
+    writer = threading.Thread(target=wait)
+    writer.start()
+    wait_until(lambda: backlog._is_awaited, "the writer")
+    add(backlog, 1)
+    assert is_over.wait(20.0)
+    writer.join()
+    # Only once.
+    add(backlog, 2)
+    assert not backlog.wait(0.0)
+    assert taken(backlog) == [0, 1, 2]
 
 
 def test_threads_lose_no_message() -> None:

@@ -46,6 +46,7 @@ class Backlog:
         # Event, it could wait for itself.
         self._wakeup = threading.Lock()
         self._wakeup.acquire()
+        self._is_awaited = False
         self.dropped = 0
         """Number of messages that found no room."""
         _backlogs.add(self)
@@ -53,9 +54,13 @@ class Backlog:
     def add(self, channel: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> bool:
         """Add a message; return False if it found no room."""
         with self._lock:
-            return self._chunk.add(channel, sequence, log_ns, publish_ns, data) or self._add_behind(
-                (channel, sequence, log_ns, publish_ns, data)
-            )
+            is_added = self._chunk.add(
+                channel, sequence, log_ns, publish_ns, data
+            ) or self._add_behind((channel, sequence, log_ns, publish_ns, data))
+            if self._is_awaited:
+                self._is_awaited = False
+                self.wake()
+            return is_added
 
     @property
     def is_wanted(self) -> bool:
@@ -76,9 +81,18 @@ class Backlog:
             chunk.clear()
             self._spare.append(chunk)
 
-    def wait(self, timeout_s: float) -> None:
-        """Wait until `wake` was called, or the queue is half full, or the time is over."""
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until the writer is wanted; return False if the time is over before.
+
+        It is wanted if `wake` was called, or if the queue is half full.
+        """
+        return self._wakeup.acquire(timeout=timeout_s)
+
+    def wait_for_next(self, timeout_s: float) -> None:
+        """Wait until the next message is added, or the writer is wanted, or the time is over."""
+        self._is_awaited = True
         self._wakeup.acquire(timeout=timeout_s)
+        self._is_awaited = False
 
     def wake(self) -> None:
         """End `wait`. Call it from any thread or signal handler."""

@@ -18,8 +18,9 @@ __all__ = ["LOSSES", "Recorder", "Sink"]
 
 LOSSES = "rosbase_dropped"
 """Name of the metadata that a file has at its end if messages were dropped."""
-# A kill loses at most the time between two looks at the queue.
+# A kill loses at most the time between two looks at the queue: the sum of these.
 _FLUSH_S = 0.5
+_GRACE_S = 0.1
 _JOIN_S = 10.0
 # A thread of Python that works delays others by up to 5 ms, `sys.getswitchinterval`. So it lets go
 # of Python's lock between two chunks, for long enough that the main loop gets it.
@@ -172,7 +173,10 @@ class Recorder:
 
     def _work(self) -> None:
         while True:
-            self._backlog.wait(_FLUSH_S)
+            if not self._backlog.wait(_FLUSH_S):
+                # Most programs publish in ticks. Behind a message there is the longest time until
+                # the next tick, which need not wait for Python's lock then.
+                self._backlog.wait_for_next(_GRACE_S)
             # Before the messages are taken, so that the last ones are among them.
             is_last = self._is_stopping
             self.drain()
