@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+from functools import partial
 
 import pytest
 
@@ -135,15 +136,20 @@ def test_a_signal_handler_may_add_a_message_in_the_middle_of_anything(most_bytes
     moments, is_over = 0, False
     while not is_over:
         backlog = Backlog(most_bytes)
-        results = []
-        with coming_in(lambda: results.append(add(backlog, 1, 0)), skipping=moments):  # noqa: B023 - called in the block
-            results += [add(backlog, 0, 0), add(backlog, 2, 0)]
-            number = len(backlog.take())
-        is_over = len(results) == 2
+        added: dict[int, bool] = {}
+
+        def put(number: int, to: Backlog, added: dict[int, bool]) -> None:
+            added[number] = add(to, number, 0)
+
+        with coming_in(partial(put, 1, backlog, added), skipping=moments):
+            put(0, backlog, added)
+            put(2, backlog, added)
+            chunks = backlog.take()
+        is_over = 1 not in added
         moments += 1
-        found = len(taken(backlog))
-        assert number or found
-        assert results.count(False) == backlog.dropped
+        found = messages_in([*chunks, *backlog.take()])
+        assert sorted(one.sequence for one in found) == [n for n in sorted(added) if added[n]]
+        assert backlog.dropped == list(added.values()).count(False)
     assert moments > 20
 
 

@@ -1,8 +1,8 @@
 """Recordings of earlier versions are read and replayed by this one.
 
-If a test fails because a program of rosbase now says or publishes something else, old recordings of
-users differ in the same way. Tell them in the changelog, and record a file for the new version
-beside the old one, whose program then differs.
+A test fails here if rosbase logs or publishes something else than the version that recorded the
+file. Replays of users' own recordings then differ in the same way. If you want the change, describe
+it in the changelog, and add a recording of the new version.
 """
 
 from collections import Counter

@@ -174,8 +174,8 @@ class Recorder:
     def _work(self) -> None:
         while True:
             if not self._backlog.wait(_FLUSH_S):
-                # Most programs publish in ticks. Behind a message there is the longest time until
-                # the next tick, which need not wait for Python's lock then.
+                # Most programs publish in ticks. Right after a message, the next tick is as far
+                # away as it gets, so it need not wait for Python's lock.
                 self._backlog.wait_for_next(_GRACE_S)
             # Before the messages are taken, so that the last ones are among them.
             is_last = self._is_stopping

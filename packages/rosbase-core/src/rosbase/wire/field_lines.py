@@ -19,13 +19,13 @@ from rosbase.wire.pieces import (
 from rosbase.wire.source import Source
 from rosbase.wire.structure import Field, Kind, MessageType
 
-__all__ = ["NOTHING", "SHORT", "Body", "is_number", "putter"]
+__all__ = ["SHORT", "Body", "is_number", "putter"]
 
 _PYTHON_TYPES = {"f": float, "d": float, "?": bool}
-NOTHING = object()
-"""No value of a message: not even a wrong one, such as None, is taken for it."""
+# No value of a message: not even a wrong one, such as None, is taken for it.
+_NOTHING = object()
 SHORT = 256
-"""Length of a text from which on it is not kept."""
+"""Texts of this length and longer are not remembered."""
 _PADDING = tuple(bytes(count) for count in range(8))
 
 
@@ -118,7 +118,7 @@ class Body:
         """Add the lines that encode a text; return the variable with its bytes."""
         source, raw, text = self.source, self.source.new("raw"), self.source.new("text")
         # Such as the frame of a sensor: the same text in each message.
-        known = source.name_of([(NOTHING, b"")], "known")
+        known = source.name_of([(_NOTHING, b"")], "known")
         encode = source.name_of(text_of, "text_of")
         source.line(f"{raw}, last = {value}, {known}[0]")
         with source.block(f"if {raw} is last[0]:"):
@@ -143,7 +143,7 @@ class Body:
         source.line(f"{many} = {value}")
         # Such as the covariance of a sensor: the same tuple in each message, and tuples of numbers
         # do not change.
-        packed, known = source.new("packed"), source.name_of([(NOTHING, b"")], "known")
+        packed, known = source.new("packed"), source.name_of([(_NOTHING, b"")], "known")
         types = source.name_of((_PYTHON_TYPES.get(code, int),) * one.size, "types")
         pack = source.name_of(struct.Struct(f"<{one.size}{code}").pack, "pack")
         source.line(f"last = {known}[0]")

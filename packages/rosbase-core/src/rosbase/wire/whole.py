@@ -9,8 +9,7 @@ from typing import Any
 
 from rosbase.messages.widths import Width
 from rosbase.wire.cdr import HEADER, Run
-from rosbase.wire.field_lines import NOTHING, SHORT, Body, is_number
-from rosbase.wire.pieces import text_of
+from rosbase.wire.field_lines import SHORT, Body, is_number
 from rosbase.wire.source import Source
 from rosbase.wire.structure import Field, Kind, MessageType
 
@@ -26,9 +25,9 @@ def whole_writer(
 
     Args:
         of: The type.
-        unusual: Errors at a value that the function does not take.
-        otherwise: Writes a message that has such a value or a long text. For a type with other
-            fields, it is what is returned.
+        unusual: Exceptions that tell of a value that the function does not take.
+        otherwise: Writes messages with such a value or a long text. It is returned as it is for a
+            type with fields of other kinds.
     """
     texts = _count_texts(of)
     if texts is None or texts > 1:
@@ -57,7 +56,7 @@ class _Body(Body):
         self._text_at: int | None = None
 
     def put_message(self, of: MessageType, message: str) -> None:
-        """Add the fields of the message, and the look at their values."""
+        """Add the lines that read the fields of the message and check their values."""
         self.put_fields(of, message)
         if not of.fields:
             self.add_number("0", "B")
@@ -72,20 +71,13 @@ class _Body(Body):
         return Run(codes).whole().pack
 
     def encoded(self, one: Field, value: str) -> str:
-        """Return the variable with the bytes of the text; `pack` packs a message with it."""
-        source, raw, text = self.source, self.source.new("raw"), self.source.new("text")
-        known = source.name_of([(NOTHING, b"", None)], "known")
-        encode = source.name_of(text_of, "text_of")
+        """Add the lines that encode the text and find `pack`, which packs a message with it."""
+        source, text = self.source, super().encoded(one, value)
         find = source.name_of(self._find_layout, "find")
-        source.line(f"{raw}, last = {value}, {known}[0]")
-        with source.block(f"if {raw} is last[0]:"):
-            source.line(f"_, {text}, pack = last")
-        with source.block("else:"):
-            source.line(f"{text} = {encode}({raw}, {one.text_limit})")
-            with source.block(f"if len({text}) >= {SHORT}:"):
-                source.line(f"return {self._otherwise}(message)")
-            source.line(f"pack = {find}(len({text}))")
-            source.line(f"{known}[0] = {raw}, {text}, pack")
+        source.line(f"size = len({text})")
+        with source.block(f"if size >= {SHORT}:"):
+            source.line(f"return {self._otherwise}(message)")
+        source.line(f"pack = {source.name_of(self._packs, 'packs')}[size] or {find}(size)")
         return text
 
     def put_bytes(self, data: str, count: str) -> None:
@@ -96,9 +88,7 @@ class _Body(Body):
         self.values.append(data)
 
     def _find_layout(self, length: int) -> _Pack:
-        pack = self._packs[length]
-        if pack is None:
-            pack = self._packs[length] = self.layout(length)
+        pack = self._packs[length] = self.layout(length)
         return pack
 
 
