@@ -1,5 +1,6 @@
 """Answers to a client that the service has not discovered yet: rmw drops them after 100 ms."""
 
+import threading
 import time
 import warnings
 from collections import Counter
@@ -17,6 +18,7 @@ from type_description_interfaces.srv import GetTypeDescription
 
 from rosbase.messages.std_srvs import Trigger
 from rosbase.roles.lifecycle_node import LifecycleNode
+from rosbase.testing import ManualClock
 from rosbase_ros2 import answers
 from rosbase_ros2.backend import Ros2Backend
 from rosbase_ros2.refusals import RCLError
@@ -26,6 +28,7 @@ from support.waiting import wait_until
 LOST = "failed to send response (timeout): client will not receive response"
 DROPPED_FOR_S = 0.11
 DROPS = 2
+DISCOVERED_AFTER_NS = 25_000_000_000
 
 send_response = Service.send_response
 
@@ -138,6 +141,20 @@ def test_an_answer_that_is_never_sent_is_one_line_of_warning(
     answers.Answers(send, "/late", said.append).send("yes", "header")
     wait_until(lambda: said, "the warning")
     assert said == [f"/late: ROS did not send an answer: {reason}"]
+
+
+def test_an_answer_waits_for_a_client_that_is_discovered_late() -> None:
+    clock, said = ManualClock(), list[str]()
+    sent = threading.Event()
+
+    def send(response: Any, header: Any) -> None:
+        if clock.monotonic_ns() < DISCOVERED_AFTER_NS:
+            raise RuntimeWarning(LOST)
+        sent.set()
+
+    answers.Answers(send, "/late", said.append, clock).send("yes", "header")
+    assert sent.wait(10)
+    assert said == []
 
 
 def test_another_fault_of_a_function_in_c_is_raised() -> None:

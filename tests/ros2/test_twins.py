@@ -3,11 +3,11 @@
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from support.code_blocks import ROOT
+from support.ros import ros_context
 from support.ros_interview import DEADLY, STARTS, Questions, deadly, everything, started
 from support.ros_twins import OURS, THEIRS, UndiscoveredError, asked, shown
 
@@ -23,7 +23,7 @@ def documented() -> dict[str, tuple[str, str]]:
     return {row[0].strip("`"): (row[1].strip("`"), row[2].strip("`")) for row in rows[1:]}
 
 
-def interview(context: Any, folder: Path, twin: str) -> dict[str, str]:
+def interview(folder: Path, twin: str) -> dict[str, str]:
     """Put every question; the answers as text."""
     answers: dict[str, str] = {}
 
@@ -31,14 +31,21 @@ def interview(context: Any, folder: Path, twin: str) -> dict[str, str]:
         # Each in a namespace of its own: ROS sees a node for a while after it was killed.
         namespace = f"{twin}{len(answers)}of{pairs}"
         try:
-            with asked(context, folder, TWINS[twin], namespace, *arguments) as asker:
-                for question, answer in questions(asker):
-                    assert question not in answers, question
-                    answers[question] = shown(answer, namespace)
+            with (
+                ros_context() as context,
+                asked(context, folder, TWINS[twin], namespace, *arguments) as asker,
+            ):
+                found = [
+                    (question, shown(answer, namespace)) for question, answer in questions(asker)
+                ]
         except UndiscoveredError:
             if pairs == 1:
                 raise
             put(questions, *arguments, pairs=pairs - 1)
+            return
+        for question, answer in found:
+            assert question not in answers, question
+            answers[question] = answer
 
     put(everything)
     for question in DEADLY:
@@ -51,10 +58,10 @@ def interview(context: Any, folder: Path, twin: str) -> dict[str, str]:
 @pytest.mark.once
 @pytest.mark.timeout(600)
 def test_the_answers_are_those_of_a_node_of_rclpy_but_for_what_is_documented(
-    context: Any, tmp_path: Path
+    tmp_path: Path,
 ) -> None:
     with ThreadPoolExecutor() as pool:
-        theirs, ours = pool.map(partial(interview, context, tmp_path), TWINS)
+        theirs, ours = pool.map(partial(interview, tmp_path), TWINS)
     starts = [question for question in theirs if question.startswith("start, ")]
     apart = {question for question in starts if theirs[question] != ours[question]}
     # What only one of them lives to be asked.

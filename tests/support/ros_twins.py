@@ -17,7 +17,6 @@ from rclpy.node import NodeNameNonExistentError
 
 from support.waiting import wait_until
 
-TIMEOUT_S = 20.0
 ATTEMPTS = 20
 
 QUIET = """
@@ -123,16 +122,22 @@ Arm().start_spin_standalone()
 
 
 class UndiscoveredError(Exception):
-    """Two nodes have not found each other in time. Neither says so, and a new pair does."""
+    """Two nodes, or a client and a service, have not found each other in time.
+
+    Neither says so: requests are not answered. A new pair finds each other.
+    """
 
 
 class Asker:
     """A plain rclpy node that puts questions to a node in another process."""
 
-    def __init__(self, context: Any, target: str, process: "subprocess.Popen[str]") -> None:
-        """Take the full name of the node that is asked, and its process."""
+    def __init__(
+        self, context: Any, target: str, process: "subprocess.Popen[str]", err: Path
+    ) -> None:
+        """Take the full name of the node that is asked, its process, and what that has written."""
         self.target = target
         self.process = process
+        self.err = err
         self.counts = [12, 4, 1]
         """How many services, publishers and subscriptions it has at least."""
         namespace, _, self.name = target.rpartition("/")
@@ -158,12 +163,6 @@ class Asker:
         Raises:
             UndiscoveredError: They have not, as happens now and then on a busy machine.
         """
-        try:
-            self._connect()
-        except AssertionError as error:
-            raise UndiscoveredError(str(error)) from error
-
-    def _connect(self) -> None:
         client = self.node.create_client(GetState, f"{self.target}/get_state")
         self.await_true(lambda: self.has_ended or client.service_is_ready(), "a service")
         for _ in range(ATTEMPTS):
@@ -197,19 +196,26 @@ class Asker:
         return bool(ends) and all(len(f) >= n for f, n in zip(found, self.counts, strict=True))
 
     def await_true(self, condition: Any, what: str) -> None:
-        """Spin until something holds."""
+        """Spin until something holds.
+
+        Raises:
+            UndiscoveredError: It does not in time, as nothing else than discovery takes so long.
+        """
 
         def holds() -> bool:
             self.executor.spin_once(timeout_sec=0.02)
             return bool(condition())
 
-        wait_until(holds, f"{what} of {self.target}")
+        try:
+            wait_until(holds, f"{what} of {self.target}")
+        except AssertionError as error:
+            raise UndiscoveredError(f"{error}; it wrote:\n{self.err.read_text()}") from error
 
     def _client(self, kind: Any, service: str) -> Any:
         name = f"{self.target}/{service}"
         if name not in self._clients:
             self._clients[name] = self.node.create_client(kind, name)
-            assert self._clients[name].wait_for_service(TIMEOUT_S), f"no {name}"
+            self.await_true(self._clients[name].service_is_ready, service)
         return self._clients[name]
 
     def start(self, kind: Any, service: str, **fields: Any) -> Any:
@@ -218,8 +224,7 @@ class Asker:
 
     def finish(self, future: Any) -> Any:
         """Return the response, when it is here."""
-        self.executor.spin_until_future_complete(future, TIMEOUT_S)
-        assert future.done(), f"{self.target} does not answer"
+        self.await_true(future.done, "an answer")
         return future.result()
 
     def call(self, kind: Any, service: str, **fields: Any) -> Any:
@@ -245,11 +250,13 @@ def asked(
         for word in arguments
         if word.startswith("__node:=")
     ]
-    with (folder / f"{namespace}.err").open("w") as err:
+    err_file = folder / f"{namespace}.err"
+    with err_file.open("w") as err:
         process = subprocess.Popen(
             [sys.executable, str(file), *ros], stdout=err, stderr=err, text=True
         )
-        asker = Asker(context, f"/{namespace}/{renamed[0] if renamed else 'arm'}", process)
+        target = f"/{namespace}/{renamed[0] if renamed else 'arm'}"
+        asker = Asker(context, target, process, err_file)
         try:
             asker.counts[0] -= "start_type_description_service:=false" in arguments
             asker.counts[1] -= "--disable-rosout-logs" in arguments

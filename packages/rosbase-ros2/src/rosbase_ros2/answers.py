@@ -1,7 +1,8 @@
 """Send answers of services that the middleware may drop.
 
 rmw waits 100 ms for a client whose end for answers it has not discovered, and then drops the
-answer. rclpy only warns of that. Discovery may take some 3 s.
+answer. rclpy only warns of that. Discovery takes some 3 s where it is slow, and longer on a
+network that loses packets.
 """
 
 from collections.abc import Callable
@@ -10,13 +11,14 @@ from typing import Any
 
 from rclpy.exceptions import InvalidHandle
 
-from rosbase import SystemClock, background_thread
+from rosbase import Clock, SystemClock, background_thread
 from rosbase_ros2.refusals import RCLError, Refusals
 
 __all__ = ["Answers"]
 
 _LONG_NS = 90_000_000
-_PATIENCE_NS = 5_000_000_000
+# A client waits for ever by default. This is about as long as its user does.
+_PATIENCE_NS = 30_000_000_000
 _PAUSE_S = 0.05
 
 
@@ -24,7 +26,11 @@ class Answers:
     """Sends the answers of one service of rclpy, again if they were probably dropped."""
 
     def __init__(
-        self, send: Callable[[Any, Any], object], name: str, warn: Callable[[str], object]
+        self,
+        send: Callable[[Any, Any], object],
+        name: str,
+        warn: Callable[[str], object],
+        clock: Clock | None = None,
     ) -> None:
         """Prepare to send.
 
@@ -32,11 +38,12 @@ class Answers:
             send: The method of rclpy's service that sends an answer.
             name: Name of the service, for warnings.
             warn: Called with a line for an answer that could not be sent, on any thread.
+            clock: Clock that tells how long an answer has been tried; the machine's by default.
         """
         self._send = send
         self._name = name
         self._warn = warn
-        self._clock = SystemClock()
+        self._clock = clock or SystemClock()
 
     def send(self, response: Any, header: Any) -> None:
         """Send an answer, now and if need be later; raise nothing that the middleware does."""
