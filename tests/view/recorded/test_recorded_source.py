@@ -8,6 +8,7 @@ from rosbase import ControlError
 from rosbase.messages import String
 from rosbase.wire import deserialize
 from rosbase_view.known import Known
+from rosbase_view.recorded.recording import RecordedMessage
 from rosbase_view.recorded.source import RecordedSource
 from rosbase_view.reports import Counted, Heard, Position, Report, Survey, TopicKey
 from rosbase_view.source import ChangeState, Gaze, Pace, Source
@@ -235,6 +236,25 @@ def test_a_topic_that_is_looked_at_later_has_its_last_message_at_once(taking: Ta
     assert not taking.heard[MODEL]
     taking.source.look_at(Gaze(topics=frozenset([MODEL])))
     taking.until(lambda: taking.heard[MODEL], "the last message")
+
+
+def test_a_topic_that_is_looked_at_while_it_is_read_has_each_message_once() -> None:
+    class Looked(MadeRecording):
+        def messages(self, from_ns: int) -> Iterator[RecordedMessage]:
+            for message in super().messages(from_ns):
+                if self.read == 10:
+                    taking.source.look_at(Gaze(topics=frozenset([IMU]), pace=Pace.ALL))
+                yield message
+
+    taking = Taking(Looked(COUNT))
+    try:
+        taking.start()
+        taking.source.set_rate(20.0)
+        taking.source.play()
+        taking.until(lambda: taking.is_over, "the end")
+        assert taking.numbers == list(range(taking.numbers[0], COUNT))
+    finally:
+        taking.source.close()
 
 
 def test_only_the_newest_message_waits_if_that_is_enough(taking: Taking) -> None:

@@ -283,6 +283,8 @@ class RecordedSource:
                 return True
             for heard in batch:
                 self._outbox.add(heard)
+            # Those are the last ones of topics that somebody began to look at meanwhile.
+            self._fresh -= {heard.topic for heard in batch}
             if self._outbox.gaze.pace is Pace.NEWEST:
                 self._log(batch)
             was_playing = self._head.is_playing
