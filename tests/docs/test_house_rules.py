@@ -17,12 +17,12 @@ ROOT = Path(__file__).parents[2]
 # modules of its own: how it starts, what the machine must offer, what users set from outside,
 # messages that are refused, questions for the main loop, parameters as they are written, a
 # program's own rclpy, and the turns of its tasks; services, with their two ends, their messages,
-# answers that are dropped, and a watch; taps, the graph, and formats of messages, for those who
-# look at a program; the ends, parameters and lifecycle of one that is recorded. The nodes of one
-# process, each a node of ROS, share a context. A serial port has surroundings, each a subject of
-# its own: the driver, other programs and who they are, two kinds of network, and the speed of a
-# UART. A view has a model, drawings, a page for each subject, a source and widgets; a server for
-# other viewers brings each subject to them, and a recording is played.
+# answers that are dropped, and a watch; the end of a process that hangs; taps, the graph, and
+# formats of messages, for those who look at a program; the ends, parameters and lifecycle of one
+# that is recorded. The nodes of one process, each a node of ROS, share a context. A serial port has
+# surroundings, each a subject of its own: the driver, other programs and who they are, two kinds of
+# network, and the speed of a UART. A view has a model, drawings, a page for each subject, a source
+# and widgets; a server for other viewers brings each subject to them, and a recording is played.
 # A recording is a format of its own: its records, chunks and end, each with a writer and a reader,
 # a scan that trusts nothing, and the mending of files that were cut off. Messages come from within
 # a program or through its control socket, wait for a thread, and go into files or a ring. A replay
@@ -32,7 +32,7 @@ MOST_MODULES = {
     "imu-mqtt": 14,
     "imu-serial": 13,
     "rosbase-mcap": 60,
-    "rosbase-ros2": 51,
+    "rosbase-ros2": 52,
     "rosbase-view": 85,
 }
 PLUGINS = [folder for folder in (ROOT / "packages").iterdir() if folder.name != "rosbase-core"]

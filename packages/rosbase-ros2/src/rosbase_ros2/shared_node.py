@@ -17,6 +17,7 @@ from rclpy.service import Service
 from rclpy.time_source import TimeSource
 
 from rosbase_ros2.answers import Answers
+from rosbase_ros2.hanging import end_if_hanging
 from rosbase_ros2.node_logger import LogListener, NodeLogger
 from rosbase_ros2.qos_warnings import warn_of_publishers, warn_of_subscriptions
 
@@ -216,6 +217,13 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
             event_callbacks=events,
             **options,
         )
+
+    def destroy_node(self) -> None:
+        """Destroy the node; end the process if DDS hangs, which may happen with the last node."""
+        kinds = ("publishers", "subscriptions", "clients", "services", "timers", "guards")
+        count = sum(1 for kind in kinds for _ in self.entities(kind))
+        with end_if_hanging(count):
+            super().destroy_node()
 
     def note_native(self) -> None:
         """Note that the program itself uses the node."""
