@@ -243,10 +243,12 @@ def test_a_topic_that_is_looked_at_while_it_is_read_has_each_message_once() -> N
         def messages(self, from_ns: int) -> Iterator[RecordedMessage]:
             for message in super().messages(from_ns):
                 if self.read == 10:
-                    taking.source.look_at(Gaze(topics=frozenset([IMU]), pace=Pace.ALL))
+                    sources[0].look_at(Gaze(topics=frozenset([IMU]), pace=Pace.ALL))
                 yield message
 
+    sources: list[RecordedSource] = []
     taking = Taking(Looked(COUNT))
+    sources.append(taking.source)
     try:
         taking.start()
         taking.source.set_rate(20.0)

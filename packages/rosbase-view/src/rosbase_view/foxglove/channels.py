@@ -1,6 +1,7 @@
 """Topics as channels of the server."""
 
 import threading
+from collections import Counter
 from collections.abc import Callable, Hashable
 
 from attrs import define, field
@@ -33,8 +34,6 @@ class _Open:
     schema: str
     topic: TopicKey | None
     """None for the transforms that are made here, and while the program is gone."""
-    listeners: int = 0
-    """How many clients have begun to listen so far."""
     dropped: dict[Hashable, int] = field(factory=dict)
     """Messages that each stream has lost."""
     was_dropped: int = 0
@@ -66,6 +65,9 @@ class Channels:
         # The SDK calls back while a channel closes, so nothing of it is called with this lock.
         self._lock = threading.Lock()
         self._open: dict[str, _Open] = {}
+        # How many clients have begun to listen so far. A client may do so before its channel is in
+        # the table of the open ones.
+        self._listeners: Counter[str] = Counter()
         self._by_topic: dict[TopicKey, _Open] = {}
         self._faulty: set[TopicKey] = set()
 
@@ -96,16 +98,15 @@ class Channels:
     def count_listener(self, name: str) -> None:
         """Take that a client has begun to listen. Any thread may tell."""
         with self._lock:
-            if (found := self._open.get(name)) is not None:
-                found.listeners += 1
+            self._listeners[name] += 1
 
     def listened(self) -> Listened:
         """Return what clients listen to."""
         topics = {
-            one.topic: one.listeners
-            for one in self._open.values()
+            one.topic: self._listeners[name]
+            for name, one in self._open.items()
             # The SDK connects a client a moment before it tells so.
-            if one.topic is not None and one.listeners and one.channel.has_sinks()
+            if one.topic is not None and self._listeners[name] and one.channel.has_sinks()
         }
         is_turned = self._makes_transforms and self._open[TF].channel.has_sinks()
         return Listened(topics, self._imus if is_turned else frozenset())
@@ -183,6 +184,7 @@ class Channels:
     def _close(self, name: str) -> None:
         with self._lock:
             found = self._open.pop(name)
+            self._listeners.pop(name, None)
         found.channel.close()
 
     def _say_dropped(self) -> None:
