@@ -16,7 +16,8 @@ from rosbase import LifecycleNode
 
 rclpy.node.Node.destroy_node = lambda node: ctypes.PyDLL(None).sleep(60)
 arm = LifecycleNode(node_name="arm", backend="ros2")
-print("up", flush=True)
+# Signals are handled as soon as it spins.
+arm.create_timer(0.1, lambda: print("up", flush=True))
 arm.start_spin_standalone()
 """
 
