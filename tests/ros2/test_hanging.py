@@ -1,4 +1,4 @@
-"""A program of which DDS does not let go: it ends, and says where it was."""
+"""A program that hangs in DDS at its end exits, and says where it hung."""
 
 import signal
 from pathlib import Path

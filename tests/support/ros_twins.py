@@ -199,7 +199,7 @@ class Asker:
         """Spin until something holds.
 
         Raises:
-            UndiscoveredError: It does not in time, as nothing else than discovery takes so long.
+            UndiscoveredError: It does not hold in time. Only discovery takes that long.
         """
 
         def holds() -> bool:

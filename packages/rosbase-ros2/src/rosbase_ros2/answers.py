@@ -17,7 +17,7 @@ from rosbase_ros2.refusals import RCLError, Refusals
 __all__ = ["Answers"]
 
 _LONG_NS = 90_000_000
-# A client waits for ever by default. This is about as long as its user does.
+# rclpy clients wait for ever by default. Their users give up after about this long.
 _PATIENCE_NS = 30_000_000_000
 _PAUSE_S = 0.05
 
@@ -38,7 +38,7 @@ class Answers:
             send: The method of rclpy's service that sends an answer.
             name: Name of the service, for warnings.
             warn: Called with a line for an answer that could not be sent, on any thread.
-            clock: Clock that tells how long an answer has been tried; the machine's by default.
+            clock: Measures how long an answer is sent again; by default, the machine's clock.
         """
         self._send = send
         self._name = name

@@ -219,7 +219,7 @@ class SharedNode(Node):  # type: ignore[misc]  # rclpy is Any
         )
 
     def destroy_node(self) -> None:
-        """Destroy the node; end the process if DDS hangs, which may happen with the last node."""
+        """Destroy the node; end the process if DDS hangs, as it may with the last node."""
         kinds = ("publishers", "subscriptions", "clients", "services", "timers", "guards")
         count = sum(1 for kind in kinds for _ in self.entities(kind))
         with end_if_hanging(count):

@@ -65,8 +65,8 @@ class Channels:
         # The SDK calls back while a channel closes, so nothing of it is called with this lock.
         self._lock = threading.Lock()
         self._open: dict[str, _Open] = {}
-        # How many clients have begun to listen so far. A client may do so before its channel is in
-        # the table of the open ones.
+        # By name, how many clients have begun to listen so far. A client may do so before `_open`
+        # has its channel.
         self._listeners: Counter[str] = Counter()
         self._by_topic: dict[TopicKey, _Open] = {}
         self._faulty: set[TopicKey] = set()

@@ -283,7 +283,7 @@ class RecordedSource:
                 return True
             for heard in batch:
                 self._outbox.add(heard)
-            # Those are the last ones of topics that somebody began to look at meanwhile.
+            # A topic that was added during the read has got its latest message with these.
             self._fresh -= {heard.topic for heard in batch}
             if self._outbox.gaze.pace is Pace.NEWEST:
                 self._log(batch)
