@@ -1,12 +1,15 @@
 import sys
 from argparse import Namespace
+from importlib.metadata import PathDistribution
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rosbase.cli.list_plugins import run as list_plugins
 from rosbase.errors import NotInstalledError, PluginError
 from rosbase.plugins import PluginRegistry, installed_plugins
+from rosbase.plugins.discovery import find_candidates
 from rosbase.plugins.our_packages import how_to_install
 from support.plugins import (
     BROKEN_PLUGINS,
@@ -80,6 +83,41 @@ def test_a_distribution_without_its_metadata_is_listed_and_harms_nobody(site: Pa
     assert "metadata cannot be read" in failures["undecodable"]
     assert "metadata cannot be read" in failures["endless"]
     assert "metadata cannot be read" in failures["damaged"]
+
+
+def test_only_distributions_with_plugins_are_read(
+    site: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install_plugin(site, "good", "x", TRANSPORT_PLUGIN.format(name="x"))
+    for number in range(20):
+        info = site / f"other_{number}-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Name: other-{number}\nVersion: 1.0\n")
+    read: list[str] = []
+    original = PathDistribution.read_text
+
+    def read_text(distribution: Any, filename: Any) -> str | None:
+        if filename == "METADATA":
+            read.append(distribution._path.name)
+        return original(distribution, filename)
+
+    monkeypatch.setattr(PathDistribution, "read_text", read_text)
+    assert [found.full_name for found in candidates_in(site)] == ["good:x"]
+    assert set(read) == {"good-1.2.dist-info"}
+
+
+@pytest.mark.parametrize(
+    "folder", ["a_radio-2.0.dist-info", "A.Radio-2.0.dist-info", "a_radio.egg-info"]
+)
+def test_the_first_of_two_distributions_of_one_name_counts(
+    site: Path, tmp_path: Path, folder: str
+) -> None:
+    install_plugin(site, "a-radio", "radio", TRANSPORT_PLUGIN.format(name="radio"))
+    first = tmp_path / "first"
+    (first / folder).mkdir(parents=True)
+    paths = [str(first), str(site)]
+    assert find_candidates("rosbase", paths) == []
+    assert [found.full_name for found in find_candidates("rosbase", paths[::-1])] == ["a-radio:radio"]
 
 
 def test_a_name_claimed_by_two_is_refused_with_both_names(site: Path) -> None:

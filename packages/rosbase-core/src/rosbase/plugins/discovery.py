@@ -1,5 +1,6 @@
 """Find the entry points of installed distributions, including damaged ones."""
 
+import re
 from collections.abc import Iterable
 from importlib.metadata import Distribution, EntryPoint, distributions
 
@@ -53,9 +54,9 @@ def find_candidates(group: str, path: list[str] | None = None) -> list[Candidate
     found: dict[str, list[Candidate]] = {}
     for distribution in _distributions(path):
         # Of two of one name, the first on the path is the one that Python imports.
-        name = _name_of(distribution)
-        if name not in found:
-            found[name] = list(_candidates_of(distribution, name, group))
+        key = _key_of(distribution)
+        if key not in found:
+            found[key] = list(_candidates_of(distribution, group))
     return sorted((c for part in found.values() for c in part), key=_order)
 
 
@@ -73,7 +74,7 @@ def _order(candidate: Candidate) -> tuple[str, str]:
     return candidate.distribution, candidate.name
 
 
-def _candidates_of(distribution: Distribution, name: str, group: str) -> Iterable[Candidate]:
+def _candidates_of(distribution: Distribution, group: str) -> Iterable[Candidate]:
     try:
         if f"[{group}]" not in (distribution.read_text("entry_points.txt") or ""):
             return
@@ -81,10 +82,20 @@ def _candidates_of(distribution: Distribution, name: str, group: str) -> Iterabl
         entries = [entry for entry in distribution.entry_points if entry.group == group]
     except Exception as error:
         damage = f"its metadata cannot be read: {one_line(repr(error))}"
-        yield Candidate("?", name, "?", None, damage)
+        yield Candidate("?", _name_of(distribution), "?", None, damage)
         return
+    name = _name_of(distribution)
     for entry in entries:
         yield Candidate(entry.name, name, version, entry)
+
+
+def _key_of(distribution: Distribution) -> str:
+    """Return the name in its normal form; from its folder, without reading its metadata.
+
+    An environment may hold hundreds of distributions, and to read one takes a millisecond.
+    """
+    name = _folder_name_of(distribution) or _name_of(distribution)
+    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def _name_of(distribution: Distribution) -> str:
@@ -93,5 +104,12 @@ def _name_of(distribution: Distribution) -> str:
     except Exception:
         name = None
     # A folder without its METADATA file still has a name of its own.
+    return name or _folder_name_of(distribution) or "unknown"
+
+
+def _folder_name_of(distribution: Distribution) -> str:
+    """Return `a_b` for the folder `a_b-1.0.dist-info` or `a_b.egg-info`; else an empty text."""
     folder = getattr(distribution, "_path", None)
-    return name or (folder.name.partition("-")[0] if folder is not None else "unknown")
+    if folder is None:
+        return ""
+    return str(folder.name).removesuffix(".egg-info").removesuffix(".dist-info").partition("-")[0]
