@@ -13,7 +13,7 @@ import pytest
 from rosbase import RestartPolicy, register_multiprocess_nodes, shutdown_multiprocess_nodes
 from rosbase.logger import RosbaseLogger
 from rosbase.processes import guardian
-from rosbase.processes.child import ChildProcess
+from rosbase.processes.child import ChildProcess, Life
 from rosbase.processes.launch import CommandLaunch, Launch, Launched, Order
 from rosbase.processes.supervisor import Supervisor
 from support.program import running
@@ -35,6 +35,29 @@ def test_the_end_of_the_output_may_come_before_the_last_words() -> None:
     assert child.exit_code == 3
     supervisor.start()
     supervisor.stop()
+
+
+def test_a_failure_before_a_stop_is_an_error_even_if_the_stop_comes_before_its_line(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    child = ChildProcess("x", CommandLaunch("exit 3"), RestartPolicy())
+    supervisor = Supervisor([child], RosbaseLogger("test"))
+    hear = Life.hear
+
+    def hear_and_stop(life: Life) -> bool:
+        goes_on = hear(life)
+        if child.exit_code is not None:
+            # Like a thread that waits for the exit code, and runs at this moment.
+            supervisor.stopping_soon()
+        return goes_on
+
+    monkeypatch.setattr(Life, "hear", hear_and_stop)
+    supervisor.start()
+    wait_until(lambda: not child.is_alive, "the end of the child")
+    supervisor.stop()
+    assert [(record.levelname, record.message) for record in caplog.records] == [
+        ("ERROR", "x: ended with status 3")
+    ]
 
 
 def test_a_child_that_cannot_be_started_again_does_not_harm_the_others(

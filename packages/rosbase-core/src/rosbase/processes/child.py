@@ -84,6 +84,8 @@ class Life:
         """Whether this process has asked it to stop while the others go on."""
         self.was_told = False
         """Whether another process has asked its guardian to stop it."""
+        self.was_ending = False
+        """Whether the end of the program had been requested when it ended."""
         self.was_killed = False
         """Whether it ended only with SIGKILL."""
         self.has_lost_guardian = False

@@ -52,7 +52,9 @@ class Journal:
         child, code = life.child, life.child.exit_code
         if code is not None and not life.is_reported:
             life.is_reported = True
-            is_error = life.has_failed and not (self.is_ending or life.was_asked)
+            # What may be a stop of the whole program is judged by what has followed.
+            was_ending = self.is_ending if life.may_be_a_stop else life.was_ending
+            is_error = life.has_failed and not (was_ending or life.was_asked)
             level = logging.ERROR if is_error else logging.INFO
             why = life.why_not_started
             self.write(

@@ -249,7 +249,14 @@ class Supervisor:
             if not self._read(life):
                 return
 
+    def _note_stop(self, life: Life) -> None:
+        """Note whether a stop came before the end that is heard of now."""
+        # Another thread may request a stop as soon as it sees the exit code.
+        if life.child.exit_code is None:
+            life.was_ending = self.journal.is_ending
+
     def _hear(self, life: Life) -> None:
+        self._note_stop(life)
         goes_on = life.hear()
         if life.child.exit_code is not None and not life.may_be_a_stop and not life.is_reported:
             self._read_all(life)
@@ -266,6 +273,7 @@ class Supervisor:
         self._lives.remove(life)
         for source in (life.control, life.output, life.ended_fd):
             self._ignore(source)
+        self._note_stop(life)
         life.hear()
         life.finish()
         self._read_all(life)
