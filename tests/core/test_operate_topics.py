@@ -194,9 +194,9 @@ def test_a_stream_whose_program_is_killed_ends_with_status_1(robots: Robots) -> 
 def test_a_time_limit_ends_a_reader_that_is_slower_than_the_topic(robots: Robots) -> None:
     robots.start(APP)
     read = []
-    with Stopwatch() as watch:
-        for heard in islice(connect("app").echo("position", timeout_s=1.0), 10):
-            read.append(heard)
+    for heard in islice(connect("app").echo("position", timeout_s=1.0), 10):
+        read.append(heard)
+        with Stopwatch() as watch:
             # At 100 Hz, there are messages that wait.
             wait_until(lambda: watch.took_s > 1.2, "the end of the time")
     assert len(read) == 1
@@ -339,8 +339,8 @@ def test_pub_waits_for_a_subscription(robots: Robots) -> None:
     )
     assert command.stdout is not None
     assert command.stdout.readline() == "Waiting for at least 1 matching subscription(s)...\n"
-    app = robots.start(APP)
-    app.read_until("goal 1.0")
+    # It may come before the line that the program prints when it has begun.
+    robots.start(APP, until="goal 1.0")
     assert command.communicate(timeout=20)[1] == ""
     assert command.returncode == 0
 

@@ -5,6 +5,7 @@ import itertools
 import json
 import re
 import signal
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,8 @@ import pytest
 
 from rosbase.cli.console import LogOutput
 from rosbase.cli.session import ReaderManager
-from support.command import RunningRosbase, run_rosbase, summary_of
+from support.command import ROSBASE, RunningRosbase, run_rosbase, summary_of
+from support.processor_time import least_cpu_s
 from support.samples import FAULTS, GOOD_FRAME, ORIENTATION_FAULTS, frame
 from support.serial_port import PluggablePort
 from support.waiting import wait_until
@@ -258,13 +260,15 @@ def test_a_wrong_parameter_is_one_line_and_status_2(arguments: list[str], line: 
 
 
 def test_plugins_answers_in_well_under_half_a_second() -> None:
-    def took_s() -> float:
-        start = time.monotonic()
-        assert run_rosbase("plugins").returncode == 0
-        return time.monotonic() - start
+    # Some machines are slower than others. These modules take 0.12 s where this command takes 0.3.
+    modules = "argparse, asyncio, email.parser, http.client, inspect, json, logging.config, typing"
+    yardstick = f"import {modules}, unittest.mock, xml.dom.minidom"
 
-    # Once in so many tries the machine has nothing else to do.
-    assert any(took_s() < 0.4 for _ in range(20))
+    def is_quick() -> bool:
+        machine_s = least_cpu_s([sys.executable, "-c", yardstick])
+        return least_cpu_s([ROSBASE, "plugins"]) < 3.5 * machine_s
+
+    assert any(is_quick() for _ in range(3))
 
 
 def test_autostart_goes_as_far_as_it_is_told(port: PluggablePort) -> None:
