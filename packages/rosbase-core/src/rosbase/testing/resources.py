@@ -4,11 +4,13 @@ import os
 import threading
 import tracemalloc
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-__all__ = ["cpu_s", "descriptors", "memory_growth", "threads"]
+__all__ = ["cpu_s", "descriptors", "memory_growth", "threads", "wanted_cpu_s"]
 
+_NS_PER_S = 1_000_000_000
+_TASKS = Path("/proc/self/task")
 _LISTINGS = (Path("/proc/self/fd"), Path("/dev/fd"))
 
 
@@ -21,6 +23,23 @@ def cpu_s() -> float:
     """Return the processor time of this process so far, in seconds."""
     used = os.times()
     return used.user + used.system
+
+
+def wanted_cpu_s() -> float:
+    """Return the processor time so far that the running threads had, or waited for, in seconds.
+
+    A busy loop wants all of a processor, on a machine that is busy with something else too. On a
+    system that does not tell, it is the processor time.
+    """
+    lines = []
+    for file in _TASKS.glob("*/schedstat"):
+        # A thread may end at any time.
+        with suppress(OSError):
+            lines.append(file.read_text())
+    if not lines:
+        return cpu_s()
+    # Time on a processor, and time in its queue.
+    return sum(int(ns) for line in lines for ns in line.split()[:2]) / _NS_PER_S
 
 
 def descriptors() -> int:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rosbase.testing.recording import RecordingSubscriber
-from rosbase.testing.resources import cpu_s, descriptors, memory_growth, threads
+from rosbase.testing.resources import cpu_s, descriptors, memory_growth, threads, wanted_cpu_s
 from rosbase.testing.transport_kit.author import TransportAuthor
 from rosbase.testing.transport_kit.bench import Bench
 from rosbase.testing.transport_kit.check import check
@@ -171,12 +171,14 @@ class ResourceChecks(TransportAuthor):
         return max(2, self.cycles // 3)
 
     def _require_idle(self, bench: Bench, while_what: str) -> None:
-        before_s = cpu_s()
+        before_s, wanted_before_s = cpu_s(), wanted_cpu_s()
         bench.clock.sleep(_IDLE_S)
-        used_s = cpu_s() - before_s
+        used_s, wanted_s = cpu_s() - before_s, wanted_cpu_s() - wanted_before_s
         seen = f"{used_s:.2f} s of the processor in {_IDLE_S:g} s while {while_what}"
-        # On a busy machine, a busy loop gets only a share of a processor.
         bench.require(used_s < _IDLE_S / 5, seen)
+        # On a busy machine, a busy loop gets only a share of a processor, but waits for the rest.
+        seen = f"{wanted_s:.2f} s of the processor were wanted in {_IDLE_S:g} s while {while_what}"
+        bench.require(wanted_s < _IDLE_S / 2, seen)
 
     def _lives(self, bench: Bench) -> dict[str, Callable[[], None]]:
         """Return complete lives of a transport, from the first call to close, by name."""
