@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +24,18 @@ from support.waiting import wait_until
 def test_an_hour_at_200_hz_takes_seconds_and_leaves_the_same_trace_twice() -> None:
     # Side by side, and with different hash seeds: neither may matter.
     path = str(Path(hour.__file__).parents[1])
-    runs = [
-        subprocess.Popen(
-            [sys.executable, hour.__file__],
-            env=os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": seed},
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for seed in ("1", "2")
-    ]
-    traces = [run.communicate(timeout=170)[0].splitlines() for run in runs]
+    with ExitStack() as stack:
+        runs = []
+        for seed in ("1", "2"):
+            run = subprocess.Popen(
+                [sys.executable, hour.__file__],
+                env=os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": seed},
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+            runs.append(stack.enter_context(run))
+            stack.callback(run.kill)
+        traces = [run.communicate(timeout=170)[0].splitlines() for run in runs]
     assert traces[0] == traces[1]
     assert traces[0][0] == "ticks 720000 skipped 0"
     assert traces[0][1] == "seconds 3599.995 period_ns 5000000"

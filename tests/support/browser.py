@@ -78,7 +78,7 @@ class Browser:
         number = next(self._numbers)
         self._connection.send(json.dumps({"id": number, "method": method, "params": parameters}))
         while True:
-            answer = json.loads(self._connection.recv(timeout=30))
+            answer = json.loads(self._connection.recv(timeout=60))
             if answer.get("id") == number:
                 if "navigated" in answer.get("error", {}).get("message", ""):
                     raise PageLoadedError

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -31,9 +32,10 @@ class Listener(BaseNode):
 class Parent(BaseManager):
     """Looks at its children in each tick."""
 
-    def __init__(self, children: Any) -> None:
+    def __init__(self, children: Any, begun: Path) -> None:
         self.seen: list[Any] = []
         self.children = children
+        self.begun = begun
         super().__init__("parent", {"listener": Listener}, node_freq_hz=50, control=False)
 
     def see(self, *values: Any) -> None:
@@ -41,6 +43,7 @@ class Parent(BaseManager):
 
     def main_loop(self) -> None:
         super().main_loop()
+        self.begun.touch()
         command = self.children["command"]
         is_alive, code = command.is_alive, command.exit_code
         self.see(is_alive, command.pid, code)
@@ -51,11 +54,13 @@ class Parent(BaseManager):
             self.request_stop()
 
 
-def run() -> list[Any]:
-    children = register_multiprocess_nodes(
-        {"talker": Talker}, {"command": "sleep 1; echo hello from the shell; exit 3"}
-    )
-    parent = Parent(children)
+def run(folder: Path) -> list[Any]:
+    begun = folder / "begun"
+    begun.unlink(missing_ok=True)
+    # What it says before the parent has a log would be missing there.
+    command = f"until [ -e {begun} ]; do sleep 0.1; done; echo hello from the shell; exit 3"
+    children = register_multiprocess_nodes({"talker": Talker}, {"command": command})
+    parent = Parent(children, begun)
     parent.start_main_loop_timer(children)
     return parent.seen
 
@@ -73,7 +78,9 @@ def lines(log: RecordedLog) -> list[str]:
     return found
 
 
-def test_a_replay_sees_children_that_it_does_not_start(heard: RecordedLog) -> None:
+def test_a_replay_sees_children_that_it_does_not_start(
+    heard: RecordedLog, tmp_path: Path
+) -> None:
     conductors: list[Conductor] = []
 
     def keep(conductor: Any) -> Any:
@@ -81,7 +88,7 @@ def test_a_replay_sees_children_that_it_does_not_start(heard: RecordedLog) -> No
         return conductor
 
     conduct_next(lambda clock: keep(Recorder(clock)))
-    seen = run()
+    seen = run(tmp_path)
     recorder: Any = conductors[0]
     assert recorder.spoiled == []
     entries: list[Entry] = list(read_entries([recorder.trace.take()]))
@@ -95,7 +102,7 @@ def test_a_replay_sees_children_that_it_does_not_start(heard: RecordedLog) -> No
 
     facts = RunFacts(recorder.clock.start_date_ns, recorder.clock.start_ns)
     conduct_next(lambda clock: keep(Player(entries, facts)), is_replay=True)
-    assert run() == seen
+    assert run(tmp_path) == seen
     player: Any = conductors[1]
     assert player.difference is None, str(player.difference)
     assert lines(heard) == said

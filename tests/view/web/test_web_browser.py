@@ -1,9 +1,11 @@
 """`rosbase view --web` as a user has it: the command, a program with a board, and Chromium."""
 
 import contextlib
+import fcntl
 import io
 import os
 import signal
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -43,7 +45,8 @@ from support.waiting import wait_until
 IS_REQUIRED = os.environ.get("NEEDS_CHROMIUM") == "1"
 pytestmark = [
     pytest.mark.once,
-    pytest.mark.timeout(180),
+    # A test waits for those before it.
+    pytest.mark.timeout(400),
     pytest.mark.skipif(not (chromium() or IS_REQUIRED), reason="Chromium is not installed"),
 ]
 
@@ -94,6 +97,15 @@ manager.start_main_loop_timer()
 """A manager with a board that is turned as its parameters say."""
 
 
+@pytest.fixture(autouse=True)
+def alone() -> Iterator[None]:
+    """One of these tests runs at a time: a browser that draws by software takes all processors."""
+    path = Path(tempfile.gettempdir(), "rosbase-tests-browser")
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
 @pytest.fixture
 def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robots]:
     with robots_in(tmp_path, monkeypatch) as found:
@@ -131,7 +143,7 @@ def picture(page: Browser, shows: Callable[[Pixels], object]) -> Pixels:
         taken[:] = [np.asarray(image, dtype=np.int16)[:, :450]]
         return bool(shows(taken[0]))
 
-    wait_until(is_seen, "a picture of the board as it is turned", 40.0)
+    wait_until(is_seen, "a picture of the board as it is turned", 80.0)
     return taken[0]
 
 
