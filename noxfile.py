@@ -4,12 +4,14 @@ Each session builds the wheels that it needs and installs them into an environme
 own, as a user would. uv does that in a fifth of the time; without it, pip does.
 """
 
+import atexit
 import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import nox
 from nox.command import CommandFailed
@@ -33,6 +35,8 @@ DISTRIBUTIONS = {
 BUSY = {"tests/ros2"}
 # More failures than these are no stall of the machine.
 FEW_FAILURES = 3
+# A line for each, in the order of the sessions.
+FAILURES: list[str] = []
 # rosbase-ros2 brings 200 MB of ROS along, so it is not in every environment.
 ALL = [*DISTRIBUTIONS, "rosbase-ros2"]
 # What a distribution is to be installed with.
@@ -108,18 +112,44 @@ def _test(session: nox.Session, folder: str, *options: str) -> None:
     # Not in nox's own folder for temporary files, which would become that of the tests too.
     cache = Path(session.virtualenv.location).resolve() / "pytest"
     shutil.rmtree(cache, ignore_errors=True)
-    command = ["pytest", "-q", "-o", f"cache_dir={cache}", *options, folder, *session.posargs]
+    report = cache / "report.xml"
+    told = ["-o", f"cache_dir={cache}", f"--junitxml={report}"]
+    command = ["pytest", "-q", *told, *options, folder, *session.posargs]
     processors = max(2, os.cpu_count() or 1)
     at_once = processors * 3 // 2 if folder in BUSY else processors * 2
     try:
         session.run(*command, "-n", str(at_once))
     except CommandFailed:
+        _note_failures(session, report, "beside others")
         record = cache / "v" / "cache" / "lastfailed"
         failed = json.loads(record.read_text()) if record.exists() else {}
         if not 0 < len(failed) <= FEW_FAILURES:
             raise
         session.warn(f"failed beside others, and run again alone: {', '.join(failed)}")
-        session.run(*command, "--last-failed", "--last-failed-no-failures=none", "-n", "0")
+        try:
+            session.run(*command, "--last-failed", "--last-failed-no-failures=none", "-n", "0")
+        except CommandFailed:
+            _note_failures(session, report, "alone too")
+            raise
+
+
+def _note_failures(session: nox.Session, report: Path, how: str) -> None:
+    """Notes what a run of pytest reports of its failures, for the end of the log."""
+    if not report.exists():
+        return
+    for case in ElementTree.parse(report).iter("testcase"):
+        for failure in (*case.findall("failure"), *case.findall("error")):
+            text = failure.get("message", "").partition("\n")[0]
+            name = f"{case.get('classname')}::{case.get('name')}"
+            FAILURES.append(f"{session.name}: failed {how}: {name}: {text}")
+    report.unlink()
+
+
+@atexit.register
+def _say_failures() -> None:
+    """At the end of a log of thousands of lines, says which tests failed, and why."""
+    for line in FAILURES:
+        print(line, file=sys.stderr)
 
 
 def _test_on_each(session: nox.Session, folder: str) -> None:

@@ -117,7 +117,9 @@ def test_the_first_of_two_distributions_of_one_name_counts(
     (first / folder).mkdir(parents=True)
     paths = [str(first), str(site)]
     assert find_candidates("rosbase", paths) == []
-    assert [found.full_name for found in find_candidates("rosbase", paths[::-1])] == ["a-radio:radio"]
+    assert [found.full_name for found in find_candidates("rosbase", paths[::-1])] == [
+        "a-radio:radio"
+    ]
 
 
 def test_a_name_claimed_by_two_is_refused_with_both_names(site: Path) -> None:

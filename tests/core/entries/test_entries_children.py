@@ -78,9 +78,7 @@ def lines(log: RecordedLog) -> list[str]:
     return found
 
 
-def test_a_replay_sees_children_that_it_does_not_start(
-    heard: RecordedLog, tmp_path: Path
-) -> None:
+def test_a_replay_sees_children_that_it_does_not_start(heard: RecordedLog, tmp_path: Path) -> None:
     conductors: list[Conductor] = []
 
     def keep(conductor: Any) -> Any:
