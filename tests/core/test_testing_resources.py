@@ -1,21 +1,32 @@
 """What the kits measure of a process."""
 
+import threading
 import time
+from collections.abc import Callable
 
 from rosbase.testing.resources import wanted_cpu_s
 
 SPAN_S = 0.3
 
 
-def wanted_while(spins: bool) -> float:
+def wanted_beside(work: Callable[[threading.Event], object]) -> float:
+    """What a thread wants of a processor for a while."""
+    is_over = threading.Event()
+    thread = threading.Thread(target=work, args=(is_over,))
+    thread.start()
     before_s = wanted_cpu_s()
-    end_s = time.monotonic() + SPAN_S
-    while spins and time.monotonic() < end_s:
+    time.sleep(SPAN_S)
+    wanted_s = wanted_cpu_s() - before_s
+    is_over.set()
+    thread.join()
+    return wanted_s
+
+
+def spin(is_over: threading.Event) -> None:
+    while not is_over.is_set():
         pass
-    time.sleep(max(0.0, end_s - time.monotonic()))
-    return wanted_cpu_s() - before_s
 
 
 def test_a_busy_loop_wants_all_of_a_processor_however_busy_the_machine_is() -> None:
-    assert wanted_while(spins=True) > SPAN_S * 0.8
-    assert wanted_while(spins=False) < SPAN_S / 2
+    assert wanted_beside(spin) > SPAN_S * 0.8
+    assert wanted_beside(threading.Event.wait) < SPAN_S / 5

@@ -26,16 +26,16 @@ def cpu_s() -> float:
 
 
 def wanted_cpu_s() -> float:
-    """Return the processor time so far that the running threads had, or waited for, in seconds.
+    """Return the processor time so far that the other threads had, or waited for, in seconds.
 
     A busy loop wants all of a processor, on a machine that is busy with something else too. On a
     system that does not tell, it is the processor time.
     """
-    lines = []
-    for file in _TASKS.glob("*/schedstat"):
+    own, lines = str(threading.get_native_id()), []
+    for task in _TASKS.glob("*"):
         # A thread may end at any time.
         with suppress(OSError):
-            lines.append(file.read_text())
+            lines.append((task / "schedstat").read_text() if task.name != own else "")
     if not lines:
         return cpu_s()
     # Time on a processor, and time in its queue.
