@@ -120,7 +120,12 @@ def test_other_commands_see_stop_and_restart_what_a_launcher_has_started(
 ) -> None:
     with up(tmp_path, SLEEPERS) as (launcher, token):
         before = token.wait_for_sleepers(2)
-        wait_until(lambda: len(launched()) == 4 and launched()["b"]["pid"], "the launcher")
+
+        def has_all() -> bool:
+            pids = {one["pid"] for one in launched().values()}
+            return len(launched()) == 4 and set(before) <= pids
+
+        wait_until(has_all, "the launcher")
         shown = launched()
         assert [shown[name]["state"] for name in ("a", "b", "off", "waits")] == [
             *("running", "running", "disabled", "waiting")
