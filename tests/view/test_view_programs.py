@@ -5,6 +5,7 @@ import shlex
 import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -315,17 +316,12 @@ def test_a_suspended_view_does_not_delay_the_program_and_goes_on(
     robots: Robots, tmp_path: Path
 ) -> None:
     robots.start(APP)
+    # A machine that does something else delays this one too.
+    robots.start(APP.replace('BaseManager("app"', 'BaseManager("other"'))
 
-    def overruns_in(ticks: int) -> int:
-        before = connect("app").statistics()[0]
-        wait_until(
-            lambda: connect("app").statistics()[0]["ticks"] >= before["ticks"] + ticks,
-            "ticks",
-            60.0,
-        )
-        return connect("app").statistics()[0]["overruns"] - before["overruns"]
+    def loop_of(name: str) -> Any:
+        return connect(name).statistics()[0]
 
-    alone = overruns_in(300)
     with own_tmux(tmp_path) as tmux:
         start_view(tmux, 80, 24)
         choose(tmux, "/position")
@@ -334,11 +330,13 @@ def test_a_suspended_view_does_not_delay_the_program_and_goes_on(
         os.kill(view, signal.SIGSTOP)
         try:
             # More than the buffers between the two processes hold.
-            suspended = overruns_in(1_000)
+            app, other = loop_of("app"), loop_of("other")
+            wait_until(lambda: loop_of("app")["ticks"] >= app["ticks"] + 1_000, "ticks", 60.0)
+            viewed = loop_of("app")["overruns"] - app["overruns"]
+            not_viewed = loop_of("other")["overruns"] - other["overruns"]
         finally:
             os.kill(view, signal.SIGCONT)
-        # A machine that does something else delays both.
-        assert suspended <= 30 + 10 * alone
+        assert viewed <= 30 + 2 * not_viewed
         before = screen(tmux)
         wait_until(lambda: screen(tmux) != before, "the view to go on")
 
