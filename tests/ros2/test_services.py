@@ -2,6 +2,7 @@
 
 import gc
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
@@ -541,15 +542,18 @@ def test_ended_ends_leave_nothing_on_the_node(backend: Ros2Backend) -> None:
 
 
 def test_a_client_that_has_gone_ends_nothing(backend: Ros2Backend, plain: Plain) -> None:
-    answers: list[Any] = []
+    with ExitStack() as stack:
+        passing = stack.enter_context(plain_node("passing"))
+        answers: list[Any] = []
 
-    def answer(request: Any) -> Any:
-        answers.append(request)
-        return Trigger.Response(success=True)
+        def answer(request: Any) -> Any:
+            # Not before: what it has just sent may go with it.
+            stack.close()
+            answers.append(request)
+            return Trigger.Response(success=True)
 
-    backend.create_service(Trigger, "trigger", answer)
-    with plain_node("passing") as passing:
+        backend.create_service(Trigger, "trigger", answer)
         future = passing.trigger("trigger")
-    spin_until(backend, lambda: answers)
+        spin_until(backend, lambda: answers)
     assert not future.done()
     assert answered(backend, lambda: plain.trigger("trigger")).success
