@@ -13,6 +13,7 @@ from rosbase import NotInstalledError, ParameterValue, TransportError, backgroun
 
 try:
     from amqtt.broker import Broker
+    from amqtt.errors import ProtocolHandlerError
 except ImportError as error:
     raise NotInstalledError(
         "a simulated device over MQTT needs the broker amqtt: pip install 'amqtt>=0.11'"
@@ -56,6 +57,12 @@ class _CleanBroker(Broker):  # type: ignore[misc]  # amqtt is an extra, and not 
         await asyncio.sleep(0)
 
 
+def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Report what went wrong in the broker, except that a client went while it was answered."""
+    if not isinstance(context.get("exception"), (ProtocolHandlerError, ConnectionError)):
+        loop.default_exception_handler(context)
+
+
 class EmbeddedBroker:
     """A broker in Python, on a local port, on a thread. For demos and tests."""
 
@@ -68,6 +75,7 @@ class EmbeddedBroker:
         self.port = port or _free_port()
         """Port where it listens."""
         self._loop = asyncio.new_event_loop()
+        self._loop.set_exception_handler(_report)
         self._thread = background_thread(self._loop.run_forever, "broker")
         self._thread.start()
         try:
