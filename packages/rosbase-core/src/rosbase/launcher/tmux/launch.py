@@ -59,14 +59,14 @@ class PaneGuardian:
     """A guardian that a pane has started, so that this process is not its parent."""
 
     def __init__(self, pid: int, mark: Mark) -> None:
-        """Take hold of the process.
-
-        Raises:
-            OSError: It has ended already.
-        """
+        """Take hold of the process, if it has not ended already."""
         self.pid = pid
         self._mark = mark
-        self._fd = os.pidfd_open(pid)
+        try:
+            self._fd = os.pidfd_open(pid)
+        except ProcessLookupError:
+            # A short program is over before this; its last words wait in the connection.
+            self._fd = -1
 
     def send_signal(self, sig: int) -> None:
         """Send a signal; do nothing if it has ended."""
