@@ -139,7 +139,7 @@ def _note_failures(session: nox.Session, report: Path, how: str) -> None:
         return
     for case in ElementTree.parse(report).iter("testcase"):
         for failure in (*case.findall("failure"), *case.findall("error")):
-            text = failure.get("message", "").partition("\n")[0]
+            text = failure.get("message", "").partition("\n")[0][:300]
             name = f"{case.get('classname')}::{case.get('name')}"
             FAILURES.append(f"{session.name}: failed {how}: {name}: {text}")
     report.unlink()

@@ -11,7 +11,7 @@ from rosbase.processes.mark import Mark
 MARK = Mark(1, (os.getpid(), 1), "test", "short")
 
 
-def test_one_that_has_ended_before_the_launcher_looks_is_one_that_has_ended() -> None:
+def test_a_guardian_that_ended_before_the_launcher_looks_counts_as_ended() -> None:
     with subprocess.Popen([sys.executable, "-c", ""]) as process:
         process.wait()
     guardian = PaneGuardian(process.pid, MARK)

@@ -363,7 +363,7 @@ def test_pickling_copies_a_large_buffer_only_into_the_pickle() -> None:
 def test_a_large_buffer_is_written_with_one_copy_and_read_without_any() -> None:
     image = Image(data=view(bytes(5_000_000)))
     data = serialize(image)
-    # Its reader is made once.
+    # The first read of a type compiles its reader.
     deserialize(data, Image)
     tracemalloc.start()
     try:

@@ -547,7 +547,7 @@ def test_a_client_that_has_gone_ends_nothing(backend: Ros2Backend, plain: Plain)
         answers: list[Any] = []
 
         def answer(request: Any) -> Any:
-            # Not before: what it has just sent may go with it.
+            # A client that is destroyed earlier can lose the request that it has just sent.
             stack.close()
             answers.append(request)
             return Trigger.Response(success=True)

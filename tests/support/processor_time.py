@@ -1,4 +1,4 @@
-"""Processor time that a command takes, to be compared with that of another on the same machine."""
+"""Processor time of a command, to compare two commands on the same machine."""
 
 import resource
 import subprocess

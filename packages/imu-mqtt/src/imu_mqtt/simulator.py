@@ -58,7 +58,7 @@ class _CleanBroker(Broker):  # type: ignore[misc]  # amqtt is an extra, and not 
 
 
 def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Report what went wrong in the broker, except that a client went while it was answered."""
+    """Report an error of the broker, unless a client disconnected while the broker answered it."""
     if not isinstance(context.get("exception"), (ProtocolHandlerError, ConnectionError)):
         loop.default_exception_handler(context)
 

@@ -26,10 +26,10 @@ def cpu_s() -> float:
 
 
 def wanted_cpu_s() -> float:
-    """Return the processor time so far that the other threads had, or waited for, in seconds.
+    """Return how long the other threads have run or waited for a processor so far, in seconds.
 
-    A busy loop wants all of a processor, on a machine that is busy with something else too. On a
-    system that does not tell, it is the processor time.
+    A busy loop does one or the other all the time, even on a busy machine. Only Linux counts the
+    waiting; on other systems, this is the processor time of the process.
     """
     own, lines = str(threading.get_native_id()), []
     for task in _TASKS.glob("*"):
